@@ -1,0 +1,1 @@
+//! Best rigid and similarity fits between point sets.

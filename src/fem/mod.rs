@@ -1,0 +1,1 @@
+//! Elastic forces and stiffness with plastic strain.

@@ -1,0 +1,1 @@
+//! A run described as data: read, run, write, report.

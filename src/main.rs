@@ -1,0 +1,3 @@
+//! The command line `moulage`.
+
+fn main() {}

@@ -1,0 +1,82 @@
+//! A triangle mesh: points and index triples.
+
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+
+/// A triangle surface. It carries no unit; all its indices are in range and all its points finite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriMesh {
+    /// Vertex positions.
+    pub points: Vec<Vec3>,
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl TriMesh {
+    /// Checks that indices are in range and points finite.
+    pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        check_points(&points)?;
+        for (t, triangle) in triangles.iter().enumerate() {
+            if let Some(&v) = triangle.iter().find(|&&v| v as usize >= points.len()) {
+                return Err(Error::invalid(format!(
+                    "triangle {t} refers to vertex {v}, but there are only {} vertices (numbered from 0)",
+                    points.len()
+                )));
+            }
+        }
+        Ok(Self { points, triangles })
+    }
+
+    /// Corner positions of triangle `t`.
+    pub fn corners(&self, t: usize) -> [Vec3; 3] {
+        self.triangles[t].map(|v| self.points[v as usize])
+    }
+
+    /// Length of the bounding box's diagonal; 0 without points.
+    pub fn diagonal(&self) -> f64 {
+        bounding_box(&self.points).map_or(0.0, |(low, high)| (high - low).norm())
+    }
+
+    /// Signed volume enclosed (exact for closed surfaces; positive when normals point outwards).
+    pub fn volume(&self) -> f64 {
+        let six_volumes: f64 = (0..self.triangles.len())
+            .map(|t| {
+                let [a, b, c] = self.corners(t);
+                a.dot(&b.cross(&c))
+            })
+            .sum();
+        six_volumes / 6.0
+    }
+
+    /// Area-weighted vertex normals, unit length (zero where no face has an area).
+    pub fn vertex_normals(&self) -> Vec<Vec3> {
+        let mut normals = vec![Vec3::zeros(); self.points.len()];
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            let [a, b, c] = self.corners(t);
+            let area_normal = (b - a).cross(&(c - a));
+            for &v in triangle {
+                normals[v as usize] += area_normal;
+            }
+        }
+        for normal in &mut normals {
+            *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+        }
+        normals
+    }
+}
+
+/// Lowest and highest corner of the box around `points`.
+pub fn bounding_box(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p))))
+}
+
+/// Fails on the first point with a coordinate that is not a finite number.
+pub(super) fn check_points(points: &[Vec3]) -> Result<()> {
+    match points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        Some(v) => {
+            Err(Error::invalid(format!("vertex {v} has a coordinate that is not a finite number")))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,1 @@
+//! A template skeleton follows a surface or a medical image (Gilles, Reveret, Pai 2010).

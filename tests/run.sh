@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The one test command: installs what the tests need and runs them.
+#   tests/run.sh          all parts
+#   tests/run.sh core     one part
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+parts=(core)
+
+install_debian() {
+    local missing=()
+    for package in "$@"; do
+        dpkg -s "$package" >/dev/null 2>&1 || missing+=("$package")
+    done
+    if [ ${#missing[@]} -gt 0 ]; then
+        apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+    fi
+}
+
+run_core() {
+    install_debian tetgen
+    cargo fmt --all --check
+    cargo clippy --all-targets -- -D warnings
+    cargo test
+}
+
+for part in "${@:-${parts[@]}}"; do
+    echo "== $part"
+    "run_$part"
+done
