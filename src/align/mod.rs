@@ -1,1 +1,5 @@
 //! Best rigid and similarity fits between point sets.
+
+mod rigid;
+
+pub use rigid::{Rigid, Similarity, best_rigid, best_similarity};

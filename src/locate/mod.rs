@@ -1,1 +1,14 @@
-//! Closest points and embedding.
+//! Closest points, point location and embedding.
+
+mod box_tree;
+mod closest;
+mod embed;
+mod nearest_points;
+#[cfg(test)]
+pub(crate) mod test_shapes;
+mod triangle;
+
+pub use closest::{ClosestPoints, SurfacePoint};
+pub use embed::{Embedding, tet_weights};
+pub use nearest_points::NearestPoints;
+pub use triangle::closest_on_triangle;

@@ -1,0 +1,180 @@
+//! A tree of axis-aligned boxes over items of any kind (triangles, tets, points).
+//!
+//! Own code rather than a crate because refitting to moved items is the hot path of the solvers and
+//! ties must fall the same way on every run: the libraries at hand either rebuild or leave ties open.
+
+use crate::math::Vec3;
+
+/// Items in a leaf: small enough to prune well, large enough to keep the tree shallow.
+const LEAF_ITEMS: usize = 4;
+/// Boxes are searched a little beyond the best distance, so that rounding never hides a tie.
+const SLACK: f64 = 1.0 + 1e-12;
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub low: Vec3,
+    pub high: Vec3,
+}
+
+impl Bounds {
+    pub fn of(corners: &[Vec3]) -> Self {
+        let empty =
+            Self { low: Vec3::repeat(f64::INFINITY), high: Vec3::repeat(f64::NEG_INFINITY) };
+        corners.iter().fold(empty, |b, p| Self { low: b.low.inf(p), high: b.high.sup(p) })
+    }
+
+    fn union(&self, other: &Self) -> Self {
+        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
+    }
+
+    fn centre(&self) -> Vec3 {
+        (self.low + self.high) / 2.0
+    }
+
+    fn distance_squared(&self, p: &Vec3) -> f64 {
+        let mut sum = 0.0;
+        for k in 0..3 {
+            let outside = (self.low[k] - p[k]).max(p[k] - self.high[k]).max(0.0);
+            sum += outside * outside;
+        }
+        sum
+    }
+}
+
+/// A node; the left child of an inner node follows it directly.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    bounds: Bounds,
+    /// Leaf: first entry in `items`. Inner: index of the right child.
+    first: u32,
+    /// Number of items of a leaf; 0 for an inner node.
+    count: u32,
+}
+
+/// The tree. It knows the boxes of its items, not the items.
+#[derive(Clone, Debug)]
+pub(super) struct BoxTree {
+    nodes: Vec<Node>,
+    items: Vec<u32>,
+}
+
+impl BoxTree {
+    pub fn new(bounds: &[Bounds]) -> Self {
+        let centres: Vec<Vec3> = bounds.iter().map(Bounds::centre).collect();
+        let mut tree = Self { nodes: Vec::new(), items: (0..bounds.len() as u32).collect() };
+        if !bounds.is_empty() {
+            tree.split(&centres, 0, bounds.len());
+            tree.refit(|item| bounds[item as usize]);
+        }
+        tree
+    }
+
+    /// Splits `items[first..end]` at the median along the longest side of their centres.
+    fn split(&mut self, centres: &[Vec3], first: usize, end: usize) {
+        let node = self.nodes.len();
+        let unset = Bounds { low: Vec3::zeros(), high: Vec3::zeros() };
+        let count = end - first;
+        if count <= LEAF_ITEMS {
+            self.nodes.push(Node { bounds: unset, first: first as u32, count: count as u32 });
+            return;
+        }
+        self.nodes.push(Node { bounds: unset, first: 0, count: 0 });
+        let items = &mut self.items[first..end];
+        let spread = items.iter().fold(Bounds::of(&[]), |b, &i| {
+            let c = centres[i as usize];
+            Bounds { low: b.low.inf(&c), high: b.high.sup(&c) }
+        });
+        let axis = (spread.high - spread.low).imax();
+        items.select_nth_unstable_by(count / 2, |&a, &b| {
+            centres[a as usize][axis].total_cmp(&centres[b as usize][axis]).then(a.cmp(&b))
+        });
+        let middle = first + count / 2;
+        self.split(centres, first, middle);
+        self.nodes[node].first = self.nodes.len() as u32;
+        self.split(centres, middle, end);
+    }
+
+    /// Fits all boxes to moved items; the tree's structure stays.
+    pub fn refit(&mut self, bounds: impl Fn(u32) -> Bounds) {
+        for n in (0..self.nodes.len()).rev() {
+            let Node { first, count, .. } = self.nodes[n];
+            self.nodes[n].bounds = if count == 0 {
+                self.nodes[n + 1].bounds.union(&self.nodes[first as usize].bounds)
+            } else {
+                let items = &self.items[first as usize..(first + count) as usize];
+                items.iter().fold(Bounds::of(&[]), |b, &i| b.union(&bounds(i)))
+            };
+        }
+    }
+
+    /// The item of least `measure` (a squared distance, with anything the caller wants to keep) not
+    /// above `limit`; the lowest index of those that are equal.
+    pub fn nearest<T>(
+        &self,
+        p: &Vec3,
+        limit: f64,
+        mut measure: impl FnMut(u32) -> (f64, T),
+    ) -> Option<(u32, f64, T)> {
+        let mut best: Option<(u32, f64, T)> = None;
+        let mut bound = limit;
+        let mut stack = [(0_u32, 0.0_f64); 64];
+        let mut depth = 0;
+        if let Some(root) = self.nodes.first() {
+            stack[0] = (0, root.bounds.distance_squared(p));
+            depth = 1;
+        }
+        while depth > 0 {
+            depth -= 1;
+            let (n, distance) = stack[depth];
+            if distance > bound * SLACK {
+                continue;
+            }
+            let node = &self.nodes[n as usize];
+            if node.count == 0 {
+                let mut children = [n + 1, node.first]
+                    .map(|c| (c, self.nodes[c as usize].bounds.distance_squared(p)));
+                // The nearer child goes on top of the stack.
+                if children[0].1 < children[1].1 {
+                    children.swap(0, 1);
+                }
+                stack[depth] = children[0];
+                stack[depth + 1] = children[1];
+                depth += 2;
+                continue;
+            }
+            for &item in &self.items[node.first as usize..(node.first + node.count) as usize] {
+                let (value, kept) = measure(item);
+                let lower = best.as_ref().is_none_or(|b| value < b.1 || item < b.0);
+                if value <= bound && lower {
+                    bound = value;
+                    best = Some((item, value, kept));
+                }
+            }
+        }
+        best
+    }
+
+    /// Calls `visit` for each item of a leaf whose box is within `distance` of `p`, in tree order.
+    pub fn visit_within(&self, p: &Vec3, distance: f64, mut visit: impl FnMut(u32)) {
+        let limit = distance * distance * SLACK;
+        self.descend(|bounds| bounds.distance_squared(p) <= limit, &mut visit);
+    }
+
+    /// Calls `visit` for each item of a leaf whose box, like all those above it, is `wanted`.
+    pub fn descend(&self, wanted: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(u32)) {
+        let mut stack: Vec<u32> = if self.nodes.is_empty() { vec![] } else { vec![0] };
+        while let Some(n) = stack.pop() {
+            let node = &self.nodes[n as usize];
+            if !wanted(&node.bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, n + 1]);
+            } else {
+                let items = node.first as usize..(node.first + node.count) as usize;
+                self.items[items].iter().for_each(|&item| visit(item));
+            }
+        }
+    }
+}

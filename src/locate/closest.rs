@@ -1,0 +1,150 @@
+//! Closest points on a triangle surface.
+
+use rayon::prelude::*;
+
+use super::box_tree::{Bounds, BoxTree};
+use super::triangle::{at, closest_on_triangle};
+use crate::math::Vec3;
+
+/// A point on a triangle surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// The triangle it lies in.
+    pub triangle: u32,
+    /// Weights of the triangle's corners: none negative, sum 1.
+    pub barycentric: [f64; 3],
+    /// Where it is.
+    pub position: Vec3,
+    /// Distance to the point asked for.
+    pub distance: f64,
+}
+
+/// Answers closest-point questions on a surface; after the points have moved, [`Self::refit`] is
+/// some ten times faster than building anew.
+#[derive(Clone, Debug)]
+pub struct ClosestPoints {
+    points: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    tree: BoxTree,
+}
+
+impl ClosestPoints {
+    /// Builds the search tree.
+    ///
+    /// # Panics
+    /// When a triangle refers to a missing point; a [`crate::mesh::TriMesh`] never does.
+    pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let bounds: Vec<Bounds> =
+            triangles.iter().map(|t| Bounds::of(&t.map(|v| points[v as usize]))).collect();
+        Self { points: points.to_vec(), triangles: triangles.to_vec(), tree: BoxTree::new(&bounds) }
+    }
+
+    /// Takes moved points of the same surface.
+    ///
+    /// # Panics
+    /// When there are fewer points than before.
+    pub fn refit(&mut self, points: &[Vec3]) {
+        self.points.copy_from_slice(points);
+        let (points, triangles) = (&self.points, &self.triangles);
+        self.tree.refit(|t| Bounds::of(&triangles[t as usize].map(|v| points[v as usize])));
+    }
+
+    /// The surface point closest to `p`; of several equally close ones that of the lowest triangle
+    /// index. None without triangles or for a `p` that is not finite.
+    pub fn closest(&self, p: &Vec3) -> Option<SurfacePoint> {
+        self.closest_below(p, f64::INFINITY)
+    }
+
+    /// Like [`Self::closest`], but only up to a distance.
+    pub fn closest_within(&self, p: &Vec3, distance: f64) -> Option<SurfacePoint> {
+        self.closest_below(p, distance * distance)
+    }
+
+    /// [`Self::closest`] for many points, in parallel, in their order.
+    pub fn closest_many(&self, points: &[Vec3]) -> Vec<Option<SurfacePoint>> {
+        points.par_iter().with_min_len(64).map(|p| self.closest(p)).collect()
+    }
+
+    /// The triangles that have a point within `distance` of `p`, in ascending order.
+    pub fn triangles_within(&self, p: &Vec3, distance: f64) -> Vec<u32> {
+        let mut found = Vec::new();
+        self.tree.visit_within(p, distance, |t| {
+            let corners = self.corners(t);
+            if (at(&closest_on_triangle(p, corners), &corners) - p).norm() <= distance {
+                found.push(t);
+            }
+        });
+        found.sort_unstable();
+        found
+    }
+
+    fn closest_below(&self, p: &Vec3, limit_squared: f64) -> Option<SurfacePoint> {
+        if !p.iter().all(|c| c.is_finite()) {
+            return None;
+        }
+        let (triangle, distance_squared, (barycentric, position)) =
+            self.tree.nearest(p, limit_squared, |t| {
+                let corners = self.corners(t);
+                let barycentric = closest_on_triangle(p, corners);
+                let position = at(&barycentric, &corners);
+                ((position - p).norm_squared(), (barycentric, position))
+            })?;
+        Some(SurfacePoint { triangle, barycentric, position, distance: distance_squared.sqrt() })
+    }
+
+    fn corners(&self, t: u32) -> [Vec3; 3] {
+        self.triangles[t as usize].map(|v| self.points[v as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::locate::test_shapes::{Noise, sphere};
+
+    fn brute_force(points: &[Vec3], triangles: &[[u32; 3]], p: &Vec3) -> (u32, f64) {
+        let mut best = (0, f64::INFINITY);
+        for (t, triangle) in triangles.iter().enumerate() {
+            let corners = triangle.map(|v| points[v as usize]);
+            let d = (at(&closest_on_triangle(p, corners), &corners) - p).norm_squared();
+            if d < best.1 {
+                best = (t as u32, d);
+            }
+        }
+        (best.0, best.1.sqrt())
+    }
+
+    #[test]
+    fn agrees_with_brute_force_before_and_after_the_points_moved() {
+        let (mut points, triangles) = sphere(12, 17);
+        let mut noise = Noise::new(3);
+        let queries: Vec<Vec3> = (0..300).map(|_| noise.vector() * 1.7).collect();
+        let mut closest = ClosestPoints::new(&points, &triangles);
+        for _ in 0..2 {
+            for (q, found) in queries.iter().zip(closest.closest_many(&queries)) {
+                let found = found.unwrap();
+                assert_eq!((found.triangle, found.distance), brute_force(&points, &triangles, q));
+            }
+            for p in &mut points {
+                *p = Vec3::new(p.x * 2.0 + p.z * p.z, p.y, p.z * 0.3);
+            }
+            closest.refit(&points);
+        }
+    }
+
+    #[test]
+    fn ties_go_to_the_lowest_triangle_and_limits_hold() {
+        let (points, triangles) = sphere(8, 8);
+        let closest = ClosestPoints::new(&points, &triangles);
+        for (v, p) in points.iter().enumerate() {
+            let first = triangles.iter().position(|t| t.contains(&(v as u32))).unwrap();
+            assert_eq!(closest.closest(&(p * 1.5)).unwrap().triangle, first as u32);
+        }
+        let p = Vec3::new(0.0, 0.0, 1.5);
+        assert!(closest.closest_within(&p, 0.4).is_none());
+        assert!(closest.closest_within(&p, 0.5 + 1e-9).is_some());
+        assert_eq!(closest.triangles_within(&p, 0.5 + 1e-9).len(), 8);
+        assert!(closest.closest(&Vec3::repeat(f64::NAN)).is_none());
+        assert!(ClosestPoints::new(&[], &[]).closest(&p).is_none());
+    }
+}
