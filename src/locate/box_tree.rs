@@ -52,6 +52,12 @@ pub(super) struct Node {
     count: u32,
 }
 
+/// A node seen from outside.
+pub(super) enum Part<'a> {
+    Leaf(&'a [u32]),
+    Inner([u32; 2]),
+}
+
 /// The tree. It knows the boxes of its items, not the items.
 #[derive(Clone, Debug)]
 pub(super) struct BoxTree {
@@ -155,25 +161,47 @@ impl BoxTree {
         best
     }
 
+    /// One value per node, from the leaves up: `leaf` of a leaf's items, `join` of two children.
+    pub fn fold_up<T: Clone>(
+        &self,
+        leaf: impl Fn(&[u32]) -> T,
+        join: impl Fn(&T, &T) -> T,
+    ) -> Vec<T> {
+        let mut values: Vec<Option<T>> = vec![None; self.nodes.len()];
+        for n in (0..self.nodes.len()).rev() {
+            let value = match self.node(n as u32) {
+                Part::Leaf(items) => leaf(items),
+                Part::Inner([left, right]) => {
+                    let child = |c: u32| values[c as usize].as_ref().expect("children come later");
+                    join(child(left), child(right))
+                }
+            };
+            values[n] = Some(value);
+        }
+        values.into_iter().flatten().collect()
+    }
+
+    /// What stands at node `n`; node 0 is the root of a tree that is not empty.
+    pub fn node(&self, n: u32) -> Part<'_> {
+        let Node { first, count, .. } = self.nodes[n as usize];
+        if count == 0 {
+            Part::Inner([n + 1, first])
+        } else {
+            Part::Leaf(&self.items[first as usize..(first + count) as usize])
+        }
+    }
+
     /// Calls `visit` for each item of a leaf whose box is within `distance` of `p`, in tree order.
     pub fn visit_within(&self, p: &Vec3, distance: f64, mut visit: impl FnMut(u32)) {
         let limit = distance * distance * SLACK;
-        self.descend(|bounds| bounds.distance_squared(p) <= limit, &mut visit);
-    }
-
-    /// Calls `visit` for each item of a leaf whose box, like all those above it, is `wanted`.
-    pub fn descend(&self, wanted: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(u32)) {
         let mut stack: Vec<u32> = if self.nodes.is_empty() { vec![] } else { vec![0] };
         while let Some(n) = stack.pop() {
-            let node = &self.nodes[n as usize];
-            if !wanted(&node.bounds) {
+            if self.nodes[n as usize].bounds.distance_squared(p) > limit {
                 continue;
             }
-            if node.count == 0 {
-                stack.extend([node.first, n + 1]);
-            } else {
-                let items = node.first as usize..(node.first + node.count) as usize;
-                self.items[items].iter().for_each(|&item| visit(item));
+            match self.node(n) {
+                Part::Inner([left, right]) => stack.extend([right, left]),
+                Part::Leaf(items) => items.iter().for_each(|&item| visit(item)),
             }
         }
     }

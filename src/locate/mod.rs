@@ -7,8 +7,10 @@ mod nearest_points;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 mod triangle;
+mod winding;
 
 pub use closest::{ClosestPoints, SurfacePoint};
 pub use embed::{Embedding, tet_weights};
 pub use nearest_points::NearestPoints;
 pub use triangle::closest_on_triangle;
+pub use winding::{WindingNumber, winding_number};
