@@ -1,4 +1,11 @@
-//! Small dense kernels and sparse wrappers: polar decomposition, signed SVD, symmetric functions.
+//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check.
+
+pub mod derivative_check;
+pub mod svd3;
+pub mod symmetric3;
+
+pub use svd3::{SignedSvd, nearest_rotation, signed_svd};
+pub use symmetric3::Sym3;
 
 /// A point or vector in space.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -48,6 +48,20 @@ impl TetMesh {
         signed_volume(self.corners(t))
     }
 
+    /// Pairs of tets that share a face, each pair once, lower number first.
+    pub fn face_neighbours(&self) -> Vec<(u32, u32)> {
+        let mut faces: Vec<([u32; 3], u32)> = Vec::with_capacity(4 * self.tets.len());
+        for (t, tet) in self.tets.iter().enumerate() {
+            for corner in 0..4 {
+                let mut face = [1, 2, 3].map(|k| tet[(corner + k) % 4]);
+                face.sort_unstable();
+                faces.push((face, t as u32));
+            }
+        }
+        faces.sort_unstable();
+        faces.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| (w[0].1, w[1].1)).collect()
+    }
+
     /// Sum of all tet volumes.
     pub fn total_volume(&self) -> f64 {
         (0..self.tets.len()).map(|t| self.volume(t)).sum()

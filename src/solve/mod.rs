@@ -1,1 +1,11 @@
-//! Linear and nonlinear solvers.
+//! Linear solvers: sparse Cholesky with a fixed pattern, nested dissection, small dense systems.
+
+mod block_matrix;
+mod dense;
+mod factor;
+mod ordering;
+
+pub use block_matrix::{BlockMatrix, BlockPattern};
+pub use dense::{DenseCholesky, gram_lower};
+pub use factor::{Factor, SymbolicFactor};
+pub use ordering::nested_dissection;

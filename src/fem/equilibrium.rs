@@ -1,0 +1,115 @@
+//! Static equilibrium at a given plastic strain, by Newton's method.
+
+use nalgebra::Vector3;
+
+use super::body::Body;
+use super::plastic::PlasticState;
+use crate::error::Result;
+use crate::material::IsotropicDensity;
+use crate::math::Vec3;
+use crate::solve::Factor;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct EquilibriumOptions {
+    /// Largest residual force allowed, relative to Young's modulus times length squared.
+    pub tolerance: f64,
+    /// Newton steps allowed.
+    pub max_steps: usize,
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The residual is below the tolerance.
+    Converged,
+    /// The steps ran out or no step lowered the energy.
+    Stalled,
+}
+
+/// A shape in equilibrium (or as near as the solve came).
+pub struct Equilibrium {
+    /// Vertex positions.
+    pub x: Vec<Vec3>,
+    /// Whether the residual fell below the tolerance.
+    pub outcome: Outcome,
+    /// Newton steps taken.
+    pub steps: usize,
+}
+
+/// Line-search halvings before a Newton step is given up.
+const MAX_HALVINGS: usize = 25;
+
+/// Fraction of the predicted decrease that a step must achieve.
+const ARMIJO: f64 = 1e-4;
+
+impl<M: IsotropicDensity> Body<M> {
+    /// Minimises the energy from the shape `x`. `factor` may hold the factor of an earlier
+    /// stiffness nearby, used for the first step.
+    pub fn equilibrate(
+        &self,
+        mut x: Vec<Vec3>,
+        plastic: &[PlasticState],
+        options: &EquilibriumOptions,
+    ) -> Result<Equilibrium> {
+        let mut energy = self.energy(&x, plastic);
+        let mut gradient = self.gradient(&x, plastic);
+        for steps in 0..=options.max_steps {
+            let residual = largest(&gradient);
+            if residual < options.tolerance {
+                return Ok(Equilibrium { x, outcome: Outcome::Converged, steps });
+            }
+            if steps == options.max_steps || !energy.is_finite() {
+                return Ok(Equilibrium { x, outcome: Outcome::Stalled, steps });
+            }
+            let step = solve_vectors(&self.factor_stiffness(&x, plastic)?, &gradient);
+            let slope: f64 = -step.iter().zip(&gradient).map(|(s, g)| s.dot(g)).sum::<f64>();
+            let Some((trial, trial_energy)) = self.armijo(&x, &step, plastic, energy, slope) else {
+                // At rounding level the energy no longer falls although the step is sound.
+                let x = subtract(&x, &step, 1.0);
+                let better = largest(&self.gradient(&x, plastic)) < options.tolerance;
+                let outcome = if better { Outcome::Converged } else { Outcome::Stalled };
+                return Ok(Equilibrium { x, outcome, steps });
+            };
+            (x, energy) = (trial, trial_energy);
+            gradient = self.gradient(&x, plastic);
+        }
+        unreachable!("the last pass returns")
+    }
+
+    /// Halves the step until the energy falls enough.
+    fn armijo(
+        &self,
+        x: &[Vec3],
+        step: &[Vec3],
+        plastic: &[PlasticState],
+        energy: f64,
+        slope: f64,
+    ) -> Option<(Vec<Vec3>, f64)> {
+        let mut eta = 1.0;
+        for _ in 0..MAX_HALVINGS {
+            let trial = subtract(x, step, eta);
+            let trial_energy = self.energy(&trial, plastic);
+            if trial_energy <= energy + ARMIJO * eta * slope {
+                return Some((trial, trial_energy));
+            }
+            eta *= 0.5;
+        }
+        None
+    }
+}
+
+/// K^-1 g for one field of vectors.
+pub fn solve_vectors(factor: &Factor, g: &[Vec3]) -> Vec<Vec3> {
+    let mut flat: Vec<f64> = g.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+    factor.solve(&mut flat);
+    flat.chunks_exact(3).map(Vector3::from_column_slice).collect()
+}
+
+fn subtract(x: &[Vec3], step: &[Vec3], eta: f64) -> Vec<Vec3> {
+    x.iter().zip(step).map(|(x, s)| x - s * eta).collect()
+}
+
+fn largest(g: &[Vec3]) -> f64 {
+    g.iter().map(Vec3::norm).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
+}

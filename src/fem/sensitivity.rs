@@ -1,0 +1,116 @@
+//! G = d(gradient)/ds as a sparse matrix of blocks: how the plastic strain moves the forces.
+//!
+//! K J = -G ([W] Eq. 8): with G and a factor of K, the Jacobian J = dx/ds is never formed.
+
+use rayon::prelude::*;
+
+use super::body::Body;
+use super::element::StrainSensitivity;
+use super::plastic::{Carrier, PlasticState, StrainSpace};
+use crate::material::IsotropicDensity;
+use crate::math::{Sym3, Vec3};
+
+/// G transposed: a row of 6 per carrier, 6 x 3 blocks, one per coupled vertex.
+pub struct Sensitivity {
+    row_ptr: Vec<usize>,
+    vertex: Vec<u32>,
+    /// Row-major 6 x 3.
+    blocks: Vec<[f64; 18]>,
+    vertices: usize,
+}
+
+impl Sensitivity {
+    /// At the shape `x` with the plastic strain `plastic`.
+    pub fn new<M: IsotropicDensity>(
+        body: &Body<M>,
+        space: &StrainSpace,
+        x: &[Vec3],
+        plastic: &[PlasticState],
+    ) -> Self {
+        let parts: Vec<StrainSensitivity> = (0..body.rest.len())
+            .into_par_iter()
+            .map(|t| {
+                body.rest[t].strain_sensitivity(&body.corners(x, t), &plastic[t], &body.material)
+            })
+            .collect();
+        let rows: Vec<Vec<(u32, [f64; 18])>> = match space.carrier {
+            Carrier::Tets => parts
+                .par_iter()
+                .enumerate()
+                .map(|(t, g)| {
+                    (0..4).map(|a| (body.mesh.tets[t][a], transposed_block(g, a, 1.0))).collect()
+                })
+                .collect(),
+            Carrier::Vertices => {
+                body.incident().par_iter().map(|tets| gather(body, &parts, tets)).collect()
+            }
+        };
+        let mut row_ptr = vec![0];
+        for row in &rows {
+            row_ptr.push(row_ptr.last().copied().unwrap_or(0) + row.len());
+        }
+        let (vertex, blocks) = rows.into_iter().flatten().unzip();
+        Self { row_ptr, vertex, blocks, vertices: x.len() }
+    }
+
+    /// Number of carriers.
+    pub fn carriers(&self) -> usize {
+        self.row_ptr.len() - 1
+    }
+
+    /// G^T Y for a row-major Y of 3 rows per vertex and `width` columns; 6 rows per carrier.
+    pub fn transpose_multiply(&self, y: &[f64], width: usize) -> Vec<f64> {
+        let mut out = vec![0.0; 6 * self.carriers() * width];
+        for (carrier, rows) in out.chunks_exact_mut(6 * width).enumerate() {
+            for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
+                let y = &y[3 * self.vertex[k] as usize * width..][..3 * width];
+                let (y0, rest) = y.split_at(width);
+                let (y1, y2) = rest.split_at(width);
+                for (row, g) in rows.chunks_exact_mut(width).zip(self.blocks[k].chunks_exact(3)) {
+                    for c in 0..width {
+                        row[c] += g[0] * y0[c] + g[1] * y1[c] + g[2] * y2[c];
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// G ds: the change of the gradient for a change of the strain.
+    pub fn multiply(&self, ds: &[Sym3]) -> Vec<Vec3> {
+        let mut out = vec![Vec3::zeros(); self.vertices];
+        for (carrier, ds) in ds.iter().enumerate() {
+            for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
+                let block = nalgebra::Matrix3x6::from_column_slice(&self.blocks[k]);
+                out[self.vertex[k] as usize] += block * ds;
+            }
+        }
+        out
+    }
+}
+
+/// The part of corner `a`, transposed to row-major 6 x 3, times `scale`.
+fn transposed_block(g: &StrainSensitivity, a: usize, scale: f64) -> [f64; 18] {
+    std::array::from_fn(|k| g[(3 * a + k % 3, k / 3)] * scale)
+}
+
+/// The row of one vertex: a quarter of each tet around it (the tet's strain is the mean of four).
+fn gather<M: IsotropicDensity>(
+    body: &Body<M>,
+    parts: &[StrainSensitivity],
+    tets: &[(u32, u8)],
+) -> Vec<(u32, [f64; 18])> {
+    let mut row: Vec<(u32, [f64; 18])> = Vec::with_capacity(16);
+    for &(t, _) in tets {
+        for a in 0..4 {
+            let block = transposed_block(&parts[t as usize], a, 0.25);
+            let vertex = body.mesh.tets[t as usize][a];
+            match row.iter_mut().find(|(v, _)| *v == vertex) {
+                Some((_, sum)) => sum.iter_mut().zip(block).for_each(|(s, b)| *s += b),
+                None => row.push((vertex, block)),
+            }
+        }
+    }
+    row.sort_unstable_by_key(|(v, _)| *v);
+    row
+}

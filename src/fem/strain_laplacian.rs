@@ -1,0 +1,205 @@
+//! The smoothness of the plastic strain: R = weight * B M^-1 B per component of the strain.
+//!
+//! Default: B = L + kappa M with the P1 stiffness L and lumped mass M on the vertices, a consistent
+//! bi-Laplacian whose weight does not depend on the mesh. kappa = 1/length^2 screens: far from
+//! data the strain returns to the anchor within that length. kappa = 0 leaves constants free.
+//!
+//! Published form: B = graph Laplacian of the tets, M = I ([W] Eqs. 4, 29), not consistent under
+//! refinement (docs/papers.md).
+
+use super::body::Body;
+use super::plastic::{Carrier, StrainSpace};
+use crate::error::Result;
+use crate::material::IsotropicDensity;
+use crate::math::Sym3;
+use crate::math::symmetric3::MULTIPLICITY;
+use crate::solve::{BlockMatrix, BlockPattern, Factor, SymbolicFactor};
+
+/// The quadratic form 1/2 u^T R u and its inverse.
+pub struct StrainSmoothness {
+    pattern: BlockPattern,
+    operator: BlockMatrix,
+    factor: Factor,
+    mass: Vec<f64>,
+    weight: f64,
+    singular: bool,
+}
+
+impl StrainSmoothness {
+    /// For a field of `space` on the body.
+    ///
+    /// `weight`: dimensionless, multiplied by the body's length scale so that the form has no unit.
+    /// `screening_length`: in the mesh's unit; `None` leaves constant strains free.
+    /// `tet_weight`: factor on each tet's volume (share of the tet inside the surface).
+    pub fn new<M: IsotropicDensity>(
+        body: &Body<M>,
+        space: &StrainSpace,
+        weight: f64,
+        screening_length: Option<f64>,
+        tet_weight: &[f64],
+    ) -> Result<Self> {
+        let kappa = screening_length.map_or(0.0, |length| 1.0 / (length * length));
+        let (pattern, mut operator, mass) = match space.carrier {
+            Carrier::Vertices => vertex_operator(body, tet_weight),
+            Carrier::Tets => graph_operator(body),
+        };
+        let mut grounded = operator.clone();
+        for (v, m) in mass.iter().enumerate() {
+            operator.values[pattern.col_ptr[v]] += kappa * m;
+        }
+        grounded.values.clone_from(&operator.values);
+        if kappa == 0.0 {
+            // One pinned vertex makes L definite; exact for right-hand sides of mean zero.
+            grounded.values[0] *= 2.0;
+        }
+        let factor = SymbolicFactor::new(&pattern)?.factor(&grounded)?;
+        Ok(Self { pattern, operator, factor, mass, weight, singular: kappa == 0.0 })
+    }
+
+    /// Whether constant strains cost nothing.
+    pub fn is_singular(&self) -> bool {
+        self.singular
+    }
+
+    /// 1/2 u^T R u.
+    pub fn energy(&self, u: &[Sym3]) -> f64 {
+        let mut sum = 0.0;
+        for p in 0..6 {
+            let b = self.component(u, p);
+            sum += MULTIPLICITY[p] * b.iter().zip(&self.mass).map(|(b, m)| b * b / m).sum::<f64>();
+        }
+        0.5 * self.weight * sum
+    }
+
+    /// R u.
+    pub fn apply(&self, u: &[Sym3]) -> Vec<Sym3> {
+        let mut out = vec![Sym3::zeros(); u.len()];
+        for p in 0..6 {
+            let mut b = self.component(u, p);
+            b.iter_mut().zip(&self.mass).for_each(|(b, m)| *b /= m);
+            let column = self.pattern.multiply(&self.operator, &b);
+            for (out, value) in out.iter_mut().zip(column) {
+                out[p] = self.weight * MULTIPLICITY[p] * value;
+            }
+        }
+        out
+    }
+
+    /// R^+ b; for a singular form b must have mean zero in each component.
+    pub fn solve(&self, b: &[Sym3]) -> Vec<Sym3> {
+        let mut out = vec![Sym3::zeros(); b.len()];
+        for p in 0..6 {
+            let mut column: Vec<f64> = b.iter().map(|s| s[p]).collect();
+            self.inverse_operator(&mut column, 1);
+            column.iter_mut().zip(&self.mass).for_each(|(value, m)| *value *= m);
+            self.transposed_inverse_operator(&mut column);
+            for (out, value) in out.iter_mut().zip(column) {
+                out[p] = value / (self.weight * MULTIPLICITY[p]);
+            }
+        }
+        out
+    }
+
+    /// H with H^T H = Z R^+ Z^T, for a row-major Z^T with 6 rows per carrier and `width` columns,
+    /// in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
+    pub fn half_inverse(&self, z: &mut [f64], width: usize) {
+        let carriers = self.mass.len();
+        let mut column = vec![0.0; carriers * width];
+        for p in 0..6 {
+            for v in 0..carriers {
+                column[v * width..][..width].copy_from_slice(&z[(6 * v + p) * width..][..width]);
+            }
+            self.inverse_operator(&mut column, width);
+            for v in 0..carriers {
+                let scale = (self.mass[v] / (self.weight * MULTIPLICITY[p])).sqrt();
+                let target = &mut z[(6 * v + p) * width..][..width];
+                for (target, value) in target.iter_mut().zip(&column[v * width..][..width]) {
+                    *target = value * scale;
+                }
+            }
+        }
+    }
+
+    /// B^+ b in place: for a singular B, take the mean out, solve the grounded system, and take out
+    /// the constant that the mass sees.
+    fn inverse_operator(&self, b: &mut [f64], width: usize) {
+        if self.singular {
+            self.remove_constant(b, width, |_| 1.0);
+        }
+        self.factor.solve_rows(b, width);
+        if self.singular {
+            self.remove_constant(b, width, |v| self.mass[v]);
+        }
+    }
+
+    /// The transpose of `inverse_operator`, for a b of sum zero where B is singular. The two differ in
+    /// the constant that they take out, and only together give the form that `half_inverse` factors.
+    fn transposed_inverse_operator(&self, b: &mut [f64]) {
+        self.factor.solve_rows(b, 1);
+        if self.singular {
+            self.remove_constant(b, 1, |_| 1.0);
+        }
+    }
+
+    /// Subtracts from each column the constant that makes its weighted sum zero.
+    fn remove_constant(&self, b: &mut [f64], width: usize, weight: impl Fn(usize) -> f64) {
+        let total: f64 = (0..self.mass.len()).map(&weight).sum();
+        for c in 0..width {
+            let mean =
+                (0..self.mass.len()).map(|v| weight(v) * b[v * width + c]).sum::<f64>() / total;
+            for v in 0..self.mass.len() {
+                b[v * width + c] -= mean;
+            }
+        }
+    }
+
+    /// B times component p of the field.
+    fn component(&self, u: &[Sym3], p: usize) -> Vec<f64> {
+        let column: Vec<f64> = u.iter().map(|s| s[p]).collect();
+        self.pattern.multiply(&self.operator, &column)
+    }
+}
+
+/// P1 stiffness and lumped mass on the vertices.
+fn vertex_operator<M: IsotropicDensity>(
+    body: &Body<M>,
+    tet_weight: &[f64],
+) -> (BlockPattern, BlockMatrix, Vec<f64>) {
+    let pattern = BlockPattern::of_tets(&body.mesh.points, &body.mesh.tets, 1);
+    let operator = pattern.assemble(|t, a, b, _, _| {
+        let element = &body.rest[t];
+        tet_weight[t] * element.volume * element.gradients[a].dot(&element.gradients[b])
+    });
+    let mass = body
+        .incident()
+        .iter()
+        .map(|tets| {
+            tets.iter()
+                .map(|&(t, _)| 0.25 * tet_weight[t as usize] * body.rest[t as usize].volume)
+                .sum()
+        })
+        .collect();
+    (pattern, operator, mass)
+}
+
+/// Graph Laplacian of the tets that share faces, with unit masses. [W] Eq. 4
+fn graph_operator<M: IsotropicDensity>(body: &Body<M>) -> (BlockPattern, BlockMatrix, Vec<f64>) {
+    let links = body.mesh.face_neighbours();
+    let centers: Vec<_> = body
+        .mesh
+        .tets
+        .iter()
+        .map(|tet| {
+            tet.iter().map(|&v| body.mesh.points[v as usize]).sum::<crate::math::Vec3>() / 4.0
+        })
+        .collect();
+    let pattern = BlockPattern::of_links(&centers, &links, 1);
+    let mut operator = BlockMatrix { values: vec![0.0; pattern.row_idx.len()] };
+    for &(a, b) in &links {
+        operator.values[pattern.entry(a.max(b), a.min(b), 0, 0)] = -1.0;
+        for v in [a, b] {
+            operator.values[pattern.entry(v, v, 0, 0)] += 1.0;
+        }
+    }
+    (pattern, operator, vec![1.0; centers.len()])
+}
