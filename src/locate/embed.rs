@@ -40,6 +40,19 @@ impl Embedding {
         Ok(Self::in_tets(mesh, points, tets))
     }
 
+    /// Like [`Self::new`] where the tet of most points is known already.
+    pub fn in_known_tets(mesh: &TetMesh, points: &[Vec3], known: &[Option<u32>]) -> Result<Self> {
+        let unknown: Vec<Vec3> =
+            points.iter().zip(known).filter(|(_, k)| k.is_none()).map(|(p, _)| *p).collect();
+        let mut found = if unknown.is_empty() {
+            Vec::new().into_iter()
+        } else {
+            Self::new(mesh, &unknown)?.tets.into_iter()
+        };
+        let tets = known.iter().filter_map(|known| known.or_else(|| found.next())).collect();
+        Ok(Self::in_tets(mesh, points, tets))
+    }
+
     /// Embeds each point in the tet given for it.
     pub fn in_tets(mesh: &TetMesh, points: &[Vec3], tets: Vec<u32>) -> Self {
         let weights =
