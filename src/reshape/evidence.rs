@@ -1,0 +1,154 @@
+//! What the data say about a shape: correspondences, weights, residual rows.
+
+use crate::locate::{ClosestPoints, SurfacePoint};
+use crate::math::Vec3;
+use crate::mesh::TriMesh;
+
+use super::gauss_newton::Rows;
+use super::scene::{Pair, Scene};
+
+/// Weight of the two tangential directions of a marker beside its normal one. [W]'s point-to-point
+/// ties markers to wrong correspondences; none at all makes the iteration zig-zag.
+const TANGENTIAL: f64 = 0.02;
+
+/// Residuals beyond this many sigmas are taken for outliers.
+const OUTLIER: f64 = 3.0;
+
+/// Normal-distributed residuals have this ratio of standard deviation to median size.
+const SIGMA_PER_MEDIAN: f64 = 1.4826;
+
+/// 1 / sigma^2 of every datum, robust factors included.
+#[derive(Clone, Debug, Default)]
+pub struct Weights {
+    /// Per marker.
+    pub markers: Vec<f64>,
+    /// Per landmark.
+    pub landmarks: Vec<f64>,
+    /// Per attachment.
+    pub attachments: Vec<f64>,
+}
+
+/// The surface of a shape and where the markers touch it.
+pub struct Contact {
+    /// Closest surface point of each marker.
+    pub hits: Vec<SurfacePoint>,
+    /// Surface normal there.
+    normals: Vec<Vec3>,
+}
+
+impl Contact {
+    /// Finds the closest points of all markers on the surface of the shape `x`.
+    pub fn new(scene: &Scene, tree: &mut ClosestPoints, x: &[Vec3]) -> Self {
+        let points = scene.embedding.apply(x);
+        tree.refit(&points);
+        let positions: Vec<Vec3> = scene.markers.iter().map(|m| m.0).collect();
+        let hits: Vec<SurfacePoint> = tree
+            .closest_many(&positions)
+            .into_iter()
+            .map(|hit| hit.expect("the surface has triangles and the markers are finite"))
+            .collect();
+        let surface = TriMesh { points, triangles: scene.triangles.clone() };
+        let vertex_normals = surface.vertex_normals();
+        let normals = hits
+            .iter()
+            .map(|hit| {
+                let corners = surface.triangles[hit.triangle as usize];
+                let blend: Vec3 =
+                    (0..3).map(|k| vertex_normals[corners[k] as usize] * hit.barycentric[k]).sum();
+                blend.try_normalize(1e-12).unwrap_or_else(Vec3::z)
+            })
+            .collect();
+        Self { hits, normals }
+    }
+
+    /// Distances of the markers to the surface.
+    pub fn distances(&self) -> Vec<f64> {
+        self.hits.iter().map(|hit| hit.distance).collect()
+    }
+}
+
+impl Weights {
+    /// From the present residuals; `data_scale` multiplies the markers' weight (continuation).
+    pub fn new(
+        scene: &Scene,
+        contact: &Contact,
+        x: &[Vec3],
+        data_scale: f64,
+        hard_attachments: bool,
+    ) -> Self {
+        let distances = contact.distances();
+        let c = data_scale / scene.marker_sigma.powi(2);
+        let limit = OUTLIER * scene.marker_sigma.max(SIGMA_PER_MEDIAN * median(&distances));
+        let markers = scene
+            .markers
+            .iter()
+            .zip(&distances)
+            .map(|((_, weight), d)| c * weight * (limit / d).min(1.0))
+            .collect();
+        let attachments = if hard_attachments {
+            scene.attachments.iter().map(|p| p.weight / scene.attachment_sigma.powi(2)).collect()
+        } else {
+            group_weights(&scene.attachments, x, scene.attachment_sigma)
+        };
+        Self {
+            markers,
+            landmarks: group_weights(&scene.landmarks, x, scene.landmark_sigma),
+            attachments,
+        }
+    }
+}
+
+/// Pairs are weighed by what their group turns out to be worth: its noise is estimated from the
+/// residuals (never below the tolerance), and single ones far beyond it fade out
+/// (Geman-McClure). So bad landmarks lose to the markers, good ones are met exactly.
+fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64) -> Vec<f64> {
+    let residuals: Vec<f64> =
+        pairs.iter().map(|p| (p.point.position(x) - p.target).norm()).collect();
+    let sigma = tolerance.max(SIGMA_PER_MEDIAN * median(&residuals));
+    pairs
+        .iter()
+        .zip(&residuals)
+        .map(|(pair, r)| pair.weight / (sigma * (1.0 + (r / (OUTLIER * sigma)).powi(2))).powi(2))
+        .collect()
+}
+
+/// All residual rows of a shape.
+pub fn rows(scene: &Scene, contact: &Contact, weights: &Weights, x: &[Vec3]) -> Rows {
+    let mut rows = Rows::default();
+    for (((target, _), weight), (hit, normal)) in
+        scene.markers.iter().zip(&weights.markers).zip(contact.hits.iter().zip(&contact.normals))
+    {
+        let gap = hit.position - target;
+        let (t1, t2) = tangents(normal);
+        let directions = [(*normal, *weight), (t1, weight * TANGENTIAL), (t2, weight * TANGENTIAL)];
+        let point = scene.surface_point(hit.triangle, &hit.barycentric);
+        rows.add(point, directions.map(|(d, c)| (d, d.dot(&gap), c)));
+    }
+    for (pairs, weights) in
+        [(&scene.landmarks, &weights.landmarks), (&scene.attachments, &weights.attachments)]
+    {
+        for (pair, &weight) in pairs.iter().zip(weights) {
+            let gap = pair.point.position(x) - pair.target;
+            let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+            rows.add(pair.point.clone(), axes.map(|d| (d, d.dot(&gap), weight)));
+        }
+    }
+    rows
+}
+
+/// Two directions that complete the unit vector `n` to an orthonormal frame.
+fn tangents(n: &Vec3) -> (Vec3, Vec3) {
+    let axis = if n.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+    let t = n.cross(&axis).normalize();
+    (t, n.cross(&t))
+}
+
+/// The median size; 0 without values.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    let middle = sorted.len() / 2;
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
+}

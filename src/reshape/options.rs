@@ -1,0 +1,63 @@
+//! Everything that can be tuned, with its meaning and default.
+
+use crate::error::{Error, Result};
+
+/// Options of a reshaping. Lengths are in the template's unit; `None` takes a default relative to
+/// the template's size, so that millimetres, metres and Blender units give the same shape.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// How far a marker may be off: its noise. The result is the smoothest shape that explains the
+    /// markers to about this. Default: the template's diagonal / 1000.
+    pub tolerance: Option<f64>,
+    /// How far a landmark may be off when it can be trusted. Default: `tolerance`.
+    pub landmark_tolerance: Option<f64>,
+    /// How far an attachment may be off when it can be trusted. Default: `tolerance`.
+    pub attachment_tolerance: Option<f64>,
+    /// Attachments are met whatever the markers say, instead of being weighed against them.
+    pub hard_attachments: bool,
+    /// Weight of the smoothness of the plastic strain, without unit.
+    pub smoothness: f64,
+    /// Distance over which the strain returns to its mean away from data, as a multiple of the
+    /// cube root of the template's volume. Infinite: never.
+    pub screening: f64,
+    /// Poisson's ratio of the tissue.
+    pub poisson: f64,
+    /// Gauss-Newton iterations allowed.
+    pub max_iterations: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            tolerance: None,
+            landmark_tolerance: None,
+            attachment_tolerance: None,
+            hard_attachments: false,
+            smoothness: 0.05,
+            screening: 0.3,
+            poisson: 0.45,
+            max_iterations: 40,
+        }
+    }
+}
+
+impl Options {
+    /// Checks ranges.
+    pub fn check(&self) -> Result<()> {
+        for (name, value) in [
+            ("tolerance", self.tolerance),
+            ("landmark tolerance", self.landmark_tolerance),
+            ("attachment tolerance", self.attachment_tolerance),
+            ("smoothness", Some(self.smoothness)),
+            ("screening", Some(self.screening)),
+        ] {
+            if value.is_some_and(|v| v.is_nan() || v <= 0.0) {
+                return Err(Error::invalid(format!("the {name} must be above 0")));
+            }
+        }
+        if !(self.poisson > 0.0 && self.poisson < 0.5) {
+            return Err(Error::invalid("Poisson's ratio must lie between 0 and 0.5"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,150 @@
+//! What is reshaped, and to what: a template with its tets, markers, landmarks, attachments.
+
+use crate::error::{Error, Result};
+use crate::locate::Embedding;
+use crate::math::Vec3;
+use crate::mesh::{TetMesh, TriMesh};
+
+/// A point of the template.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TemplatePoint {
+    /// A vertex of the surface.
+    Vertex(u32),
+    /// A position on or in the template at rest.
+    Position(Vec3),
+}
+
+/// A point on the person's surface, without correspondence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Marker {
+    /// Where it was seen.
+    pub position: Vec3,
+    /// How much it counts beside the others; 1 is usual, 0 leaves it out.
+    pub weight: f64,
+}
+
+/// A point of the template and where the person has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landmark {
+    /// Name for the report.
+    pub label: String,
+    /// The point of the template.
+    pub template: TemplatePoint,
+    /// Where it was seen.
+    pub target: Vec3,
+    /// How much it counts beside the others; 1 is usual, 0 leaves it out.
+    pub weight: f64,
+}
+
+/// One reshaping problem. All lengths are in the template's unit.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The template's surface at rest.
+    pub surface: TriMesh,
+    /// The tets that carry it.
+    pub tets: TetMesh,
+    /// Each surface vertex in the tets.
+    pub embedding: Embedding,
+    /// Share of each tet that lies inside the surface, 0 to 1.
+    pub inside_fraction: Vec<f64>,
+    /// Points of the person's surface.
+    pub markers: Vec<Marker>,
+    /// Paired points, found on template and person.
+    pub landmarks: Vec<Landmark>,
+    /// Paired points that hold the body mechanically too, e.g. where a muscle grows on a bone.
+    pub attachments: Vec<Landmark>,
+    /// Surface vertices that stay where they are.
+    pub fixed: Vec<u32>,
+}
+
+impl Problem {
+    /// A problem without any data yet.
+    pub fn new(
+        surface: TriMesh,
+        tets: TetMesh,
+        embedding: Embedding,
+        inside_fraction: Vec<f64>,
+    ) -> Self {
+        Self {
+            surface,
+            tets,
+            embedding,
+            inside_fraction,
+            markers: Vec::new(),
+            landmarks: Vec::new(),
+            attachments: Vec::new(),
+            fixed: Vec::new(),
+        }
+    }
+
+    /// Checks counts, indices and numbers; says what is missing.
+    pub fn check(&self) -> Result<()> {
+        if self.embedding.len() != self.surface.points.len() {
+            return Err(Error::invalid(
+                "the embedding does not belong to this surface: their vertex counts differ",
+            ));
+        }
+        if self.inside_fraction.len() != self.tets.tets.len() {
+            return Err(Error::invalid(
+                "the inside fractions do not belong to this tet mesh: their counts differ",
+            ));
+        }
+        if self.surface.triangles.is_empty() || self.tets.tets.is_empty() {
+            return Err(Error::invalid("the template has no triangles or no tets"));
+        }
+        if self.markers.len() + self.landmarks.len() + self.attachments.len() < 3 {
+            return Err(Error::invalid(format!(
+                "{} markers, {} landmarks and {} attachments do not determine a shape; give at least three points",
+                self.markers.len(),
+                self.landmarks.len(),
+                self.attachments.len()
+            )));
+        }
+        self.check_numbers()
+    }
+
+    fn check_numbers(&self) -> Result<()> {
+        for (i, marker) in self.markers.iter().enumerate() {
+            check_number(&marker.position, marker.weight, || format!("marker {i}"))?;
+        }
+        let vertices = self.surface.points.len();
+        for (kind, list) in [("landmark", &self.landmarks), ("attachment", &self.attachments)] {
+            for (i, pair) in list.iter().enumerate() {
+                let name = || format!("{kind} {i} ({})", pair.label);
+                check_number(&pair.target, pair.weight, name)?;
+                match pair.template {
+                    TemplatePoint::Vertex(v) if v as usize >= vertices => {
+                        return Err(Error::invalid(format!(
+                            "{} names vertex {v}, but the template has {vertices} vertices (numbered from 0)",
+                            name()
+                        )));
+                    }
+                    TemplatePoint::Position(p) => check_number(&p, 1.0, name)?,
+                    TemplatePoint::Vertex(_) => {}
+                }
+            }
+        }
+        match self.fixed.iter().find(|&&v| v as usize >= vertices) {
+            Some(v) => Err(Error::invalid(format!(
+                "fixed vertex {v} does not exist: the template has {vertices} vertices (numbered from 0)"
+            ))),
+            None => Ok(()),
+        }
+    }
+}
+
+fn check_number(p: &Vec3, weight: f64, name: impl Fn() -> String) -> Result<()> {
+    if !p.iter().all(|c| c.is_finite()) {
+        return Err(Error::invalid(format!(
+            "{} has a coordinate that is not a finite number",
+            name()
+        )));
+    }
+    if !(weight.is_finite() && weight >= 0.0) {
+        return Err(Error::invalid(format!(
+            "{} has the weight {weight}; it must be 0 or more",
+            name()
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,160 @@
+//! A problem in the solver's own units: centred, scaled to volume 1, Young's modulus 1.
+
+use crate::error::Result;
+use crate::fem::{Body, MaterialPoint, Spring};
+use crate::locate::Embedding;
+use crate::material::StableNeoHookean;
+use crate::math::Vec3;
+use crate::mesh::TetMesh;
+
+use super::options::Options;
+use super::problem::{Landmark, Problem, TemplatePoint};
+
+/// Stiffness of the spring of one fixed point or hard attachment, in units of E l.
+const FIRM: f64 = 100.0;
+
+/// Total stiffness of all soft attachments' springs, in units of E l: enough to carry the body
+/// along, too little to dent it.
+const SOFT_TOTAL: f64 = 100.0;
+
+/// A paired point.
+pub struct Pair {
+    /// The point of the body.
+    pub point: MaterialPoint,
+    /// Where it belongs.
+    pub target: Vec3,
+    /// The user's weight.
+    pub weight: f64,
+}
+
+/// The problem as the solver sees it.
+pub struct Scene {
+    /// Length of the solver's unit in the template's.
+    pub length: f64,
+    /// The solver's origin in the template's frame.
+    pub center: Vec3,
+    /// The elastic body; its first springs belong to the attachments, in order.
+    pub body: Body<StableNeoHookean>,
+    /// Each surface vertex in the tets.
+    pub embedding: Embedding,
+    /// The surface's triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// Marker positions with the user's weights.
+    pub markers: Vec<(Vec3, f64)>,
+    /// Landmarks.
+    pub landmarks: Vec<Pair>,
+    /// Attachments.
+    pub attachments: Vec<Pair>,
+    /// Fixed points.
+    pub fixed: Vec<Pair>,
+    /// Noise of a marker.
+    pub marker_sigma: f64,
+    /// Noise of a trusted landmark.
+    pub landmark_sigma: f64,
+    /// Noise of a trusted attachment.
+    pub attachment_sigma: f64,
+}
+
+impl Scene {
+    /// Scales and embeds a checked problem.
+    pub fn new(problem: &Problem, options: &Options) -> Result<Self> {
+        let volume: f64 = problem
+            .inside_fraction
+            .iter()
+            .enumerate()
+            .map(|(t, fraction)| fraction * problem.tets.volume(t))
+            .sum();
+        let length = volume.cbrt();
+        let points = &problem.surface.points;
+        let center = points.iter().sum::<Vec3>() / points.len() as f64;
+        let inward = |p: &Vec3| (p - center) / length;
+        let tets = TetMesh {
+            points: problem.tets.points.iter().map(inward).collect(),
+            tets: problem.tets.tets.clone(),
+        };
+        let pairs = |list: &[Landmark]| -> Result<Vec<Pair>> {
+            let positions: Vec<Vec3> = list
+                .iter()
+                .map(|l| match l.template {
+                    TemplatePoint::Vertex(v) => points[v as usize],
+                    TemplatePoint::Position(p) => p,
+                })
+                .collect();
+            let embedding = Embedding::new(&problem.tets, &positions)?;
+            let pair = |(i, l): (usize, &Landmark)| {
+                let point = match l.template {
+                    TemplatePoint::Vertex(v) => embedded(&problem.embedding, v as usize),
+                    TemplatePoint::Position(_) => embedded(&embedding, i),
+                };
+                Pair { point, target: inward(&l.target), weight: l.weight }
+            };
+            Ok(list.iter().enumerate().map(pair).collect())
+        };
+        let (landmarks, attachments) = (pairs(&problem.landmarks)?, pairs(&problem.attachments)?);
+        let fixed: Vec<Pair> = problem
+            .fixed
+            .iter()
+            .map(|&v| Pair {
+                point: embedded(&problem.embedding, v as usize),
+                target: inward(&points[v as usize]),
+                weight: 1.0,
+            })
+            .collect();
+        let soft = if options.hard_attachments {
+            FIRM
+        } else {
+            SOFT_TOTAL / attachments.len().max(1) as f64
+        };
+        let springs = attachments
+            .iter()
+            .map(|pair| spring(pair, soft))
+            .chain(fixed.iter().map(|pair| spring(pair, FIRM)))
+            .collect();
+        let tolerance = options.tolerance.unwrap_or(problem.surface.diagonal() / 1000.0) / length;
+        Ok(Self {
+            length,
+            center,
+            body: Body::new(tets, StableNeoHookean::new(1.0, options.poisson), springs)?,
+            embedding: problem.embedding.clone(),
+            triangles: problem.surface.triangles.clone(),
+            markers: problem.markers.iter().map(|m| (inward(&m.position), m.weight)).collect(),
+            landmarks,
+            attachments,
+            fixed,
+            marker_sigma: tolerance,
+            landmark_sigma: options.landmark_tolerance.map_or(tolerance, |t| t / length),
+            attachment_sigma: options.attachment_tolerance.map_or(tolerance, |t| t / length),
+        })
+    }
+
+    /// Positions in the template's unit and frame.
+    pub fn outward(&self, x: &[Vec3]) -> Vec<Vec3> {
+        x.iter().map(|x| x * self.length + self.center).collect()
+    }
+
+    /// The body's point that a surface point is.
+    pub fn surface_point(&self, triangle: u32, barycentric: &[f64; 3]) -> MaterialPoint {
+        let mut entries: Vec<(u32, f64)> = Vec::with_capacity(12);
+        for (&v, b) in self.triangles[triangle as usize].iter().zip(barycentric) {
+            for (&w, weight) in
+                self.embedding.vertices[v as usize].iter().zip(self.embedding.weights[v as usize])
+            {
+                match entries.iter_mut().find(|(vertex, _)| *vertex == w) {
+                    Some((_, sum)) => *sum += b * weight,
+                    None => entries.push((w, b * weight)),
+                }
+            }
+        }
+        entries.retain(|(_, w)| *w != 0.0);
+        MaterialPoint(entries)
+    }
+}
+
+fn embedded(embedding: &Embedding, i: usize) -> MaterialPoint {
+    let entries = embedding.vertices[i].into_iter().zip(embedding.weights[i]);
+    MaterialPoint(entries.filter(|(_, w)| *w != 0.0).collect())
+}
+
+fn spring(pair: &Pair, stiffness: f64) -> Spring {
+    Spring { point: pair.point.clone(), target: pair.target, stiffness: stiffness * pair.weight }
+}

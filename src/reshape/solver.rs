@@ -1,0 +1,280 @@
+//! The outer loop: correspond, linearise, step, until the markers are met.
+
+use crate::error::Result;
+use crate::fem::{
+    Equilibrium, EquilibriumOptions, Outcome, PlasticState, RigidMotion, Sensitivity,
+    StrainSmoothness, StrainSpace,
+};
+use crate::locate::ClosestPoints;
+use crate::math::symmetric3::to_matrix;
+use crate::math::{Sym3, Vec3};
+use crate::run::Run;
+
+use super::affine_start::affine_start;
+use super::evidence::{Contact, Weights, rows};
+use super::gauss_newton::{Direction, Linearization};
+use super::options::Options;
+use super::problem::Problem;
+use super::scene::Scene;
+use super::summary::{IterationRecord, Stop, Summary};
+
+/// Largest change of a tet's logarithmic strain in one step.
+const MAX_STRAIN_STEP: f64 = 0.9;
+
+/// The markers' weight starts at this share of its final value and grows by the factor below.
+const FIRST_DATA_SCALE: f64 = 1e-4;
+const DATA_SCALE_GROWTH: f64 = 4.0;
+
+/// A relative decrease of the objective below this ends the run.
+const SMALL_DECREASE: f64 = 0.01;
+
+/// Step halvings before a direction is given up.
+const MAX_HALVINGS: usize = 6;
+
+/// Fraction of the predicted decrease that a step must achieve.
+const ARMIJO: f64 = 1e-4;
+
+/// Newton steps and residual (relative to E l^2) of a trial's static solve.
+const TRIAL: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 15 };
+
+/// The same for the start, which may be far from equilibrium.
+const START: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 200 };
+
+/// A reshaped template.
+#[derive(Clone, Debug)]
+pub struct Reshaped {
+    /// The surface's vertices, in the template's order.
+    pub surface_points: Vec<Vec3>,
+    /// The tet mesh's vertices.
+    pub tet_points: Vec<Vec3>,
+    /// Logarithm of the plastic strain at each vertex of the tet mesh.
+    pub strain: Vec<Sym3>,
+    /// What happened.
+    pub summary: Summary,
+}
+
+/// A plastic strain and the shape in equilibrium with it.
+#[derive(Clone)]
+struct State {
+    s: Vec<Sym3>,
+    x: Vec<Vec3>,
+}
+
+/// One reshaping under way.
+struct Solver<'a> {
+    scene: Scene,
+    options: &'a Options,
+    run: &'a Run,
+    tree: ClosestPoints,
+    smoothness: StrainSmoothness,
+    anchor: Vec<Sym3>,
+    summary: Summary,
+}
+
+/// Reshapes the template. A cancelled run returns its best shape so far.
+pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshaped> {
+    problem.check()?;
+    options.check()?;
+    run.enter("preparing", 0.0);
+    let (mut solver, state) = Solver::start(problem, options, run)?;
+    let state = solver.minimize(state)?;
+    Ok(solver.finish(&state))
+}
+
+impl<'a> Solver<'a> {
+    /// The first state: constant strain for a free body, statics for a held one.
+    fn start(problem: &Problem, options: &'a Options, run: &'a Run) -> Result<(Self, State)> {
+        let scene = Scene::new(problem, options)?;
+        let mut tree =
+            ClosestPoints::new(&scene.embedding.apply(&scene.body.mesh.points), &scene.triangles);
+        let carriers = scene.body.mesh.points.len();
+        let (strain, x) = if scene.body.is_free() {
+            let start = affine_start(&scene, &mut tree)?;
+            (start.strain, start.x)
+        } else {
+            (Sym3::zeros(), scene.body.mesh.points.clone())
+        };
+        let anchor = vec![strain; carriers];
+        let floor = |fraction: &f64| fraction.max(SMALLEST_TET_WEIGHT);
+        let tet_weight: Vec<f64> = problem.inside_fraction.iter().map(floor).collect();
+        let smoothness = StrainSmoothness::new(
+            &scene.body,
+            &StrainSpace::NODAL_LOGARITHM,
+            options.smoothness,
+            options.screening.is_finite().then_some(options.screening),
+            &tet_weight,
+        )?;
+        let mut solver =
+            Self { scene, options, run, tree, smoothness, anchor, summary: Summary::default() };
+        let s = solver.anchor.clone();
+        let plastic = solver.plastic(&s);
+        let equilibrium = solver.scene.body.equilibrate(x, &plastic, &START)?;
+        solver.summary.newton_steps += equilibrium.steps;
+        Ok((solver, State { s, x: equilibrium.x }))
+    }
+
+    /// Gauss-Newton with a growing weight of the markers.
+    fn minimize(&mut self, mut state: State) -> Result<State> {
+        let mut scale = FIRST_DATA_SCALE;
+        loop {
+            self.record(&state, scale);
+            if let Some(stop) = self.stop(scale) {
+                self.summary.stop = stop;
+                return Ok(state);
+            }
+            let full = scale >= 1.0;
+            let accepted = self.step(&state, scale)?;
+            let (decrease, stepped) = match accepted {
+                Some((next, decrease)) => {
+                    state = next;
+                    (decrease, true)
+                }
+                None => (0.0, false),
+            };
+            if full && decrease < SMALL_DECREASE {
+                self.record(&state, scale);
+                self.summary.stop = if stepped { Stop::Settled } else { Stop::NoStep };
+                return Ok(state);
+            }
+            scale = (scale * DATA_SCALE_GROWTH).min(1.0);
+        }
+    }
+
+    /// One Gauss-Newton step; `None` when no step lowers the objective. With it the relative
+    /// decrease.
+    fn step(&mut self, state: &State, scale: f64) -> Result<Option<(State, f64)>> {
+        let contact = Contact::new(&self.scene, &mut self.tree, &state.x);
+        let weights =
+            Weights::new(&self.scene, &contact, &state.x, scale, self.options.hard_attachments);
+        let rows = rows(&self.scene, &contact, &weights, &state.x);
+        let objective = rows.energy() + self.prior(&state.s);
+        let plastic = self.plastic(&state.s);
+        let stiffness = self.scene.body.factor_stiffness(&state.x, &plastic)?;
+        let sensitivity =
+            Sensitivity::new(&self.scene.body, &StrainSpace::NODAL_LOGARITHM, &state.x, &plastic);
+        let center = state.x.iter().sum::<Vec3>() / state.x.len() as f64;
+        let at = Linearization {
+            body: &self.scene.body,
+            stiffness: &stiffness,
+            sensitivity: &sensitivity,
+            x: &state.x,
+            center,
+        };
+        let direction = at.direction(&rows, &self.smoothness, &state.s, &self.anchor)?;
+        let dx = at.shape_change(&direction.ds);
+        let mut eta = self.largest_step(&direction);
+        for _ in 0..MAX_HALVINGS {
+            if self.run.is_cancelled() {
+                return Ok(None);
+            }
+            if let Some(trial) = self.trial(state, &direction, &dx, eta, center)? {
+                let value = self.objective(&trial, &weights);
+                if value <= objective * (1.0 - ARMIJO * eta) {
+                    return Ok(Some((trial, 1.0 - value / objective)));
+                }
+            }
+            eta *= 0.5;
+        }
+        Ok(None)
+    }
+
+    /// The state a step of length `eta` leads to, if its equilibrium is found.
+    fn trial(
+        &mut self,
+        state: &State,
+        direction: &Direction,
+        dx: &[Vec3],
+        eta: f64,
+        center: Vec3,
+    ) -> Result<Option<State>> {
+        let s: Vec<Sym3> = state.s.iter().zip(&direction.ds).map(|(s, ds)| s + ds * eta).collect();
+        let rigid = direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), center));
+        let predicted: Vec<Vec3> = state
+            .x
+            .iter()
+            .zip(dx)
+            .map(|(x, dx)| {
+                let x = x + dx * eta;
+                rigid.map_or(x, |motion| motion.apply(&x))
+            })
+            .collect();
+        let Equilibrium { x, outcome, steps } =
+            self.scene.body.equilibrate(predicted, &self.plastic(&s), &TRIAL)?;
+        self.summary.newton_steps += steps;
+        Ok((outcome == Outcome::Converged).then_some(State { s, x }))
+    }
+
+    /// Keeps the strain of every tet from changing too much at once.
+    fn largest_step(&self, direction: &Direction) -> f64 {
+        let largest = direction.ds.iter().map(|ds| to_matrix(ds).norm()).fold(0.0, f64::max);
+        (MAX_STRAIN_STEP / largest.max(f64::MIN_POSITIVE)).min(1.0)
+    }
+
+    fn objective(&mut self, state: &State, weights: &Weights) -> f64 {
+        let contact = Contact::new(&self.scene, &mut self.tree, &state.x);
+        rows(&self.scene, &contact, weights, &state.x).energy() + self.prior(&state.s)
+    }
+
+    fn prior(&self, s: &[Sym3]) -> f64 {
+        let u: Vec<Sym3> = s.iter().zip(&self.anchor).map(|(s, a)| s - a).collect();
+        self.smoothness.energy(&u)
+    }
+
+    fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {
+        StrainSpace::NODAL_LOGARITHM.states(s, &self.scene.body.mesh.tets)
+    }
+
+    /// Notes where the run stands and tells those who watch.
+    fn record(&mut self, state: &State, scale: f64) {
+        let contact = Contact::new(&self.scene, &mut self.tree, &state.x);
+        let distances = contact.distances();
+        let mean =
+            distances.iter().sum::<f64>() / distances.len().max(1) as f64 * self.scene.length;
+        let max = distances.iter().copied().fold(0.0, f64::max) * self.scene.length;
+        let weights =
+            Weights::new(&self.scene, &contact, &state.x, scale, self.options.hard_attachments);
+        let data = rows(&self.scene, &contact, &weights, &state.x).energy();
+        let record = IterationRecord {
+            data_scale: scale,
+            objective: data + self.prior(&state.s),
+            mean_marker_distance: mean,
+            max_marker_distance: max,
+            newton_steps: self.summary.newton_steps,
+            seconds: self.run.progress().seconds,
+        };
+        self.summary.iterations.push(record);
+        let iteration = self.summary.iterations.len() - 1;
+        self.run.update(|p| {
+            p.iteration = iteration;
+            p.energy = record.objective;
+            p.mean_error = mean;
+            p.max_error = max;
+            p.fraction = 1.0 - 0.85_f64.powi(iteration as i32);
+            "fitting".clone_into(&mut p.stage);
+        });
+        self.run.publish_preview(&self.scene.outward(&self.scene.embedding.apply(&state.x)));
+    }
+
+    /// Why to stop now, if so.
+    fn stop(&self, _scale: f64) -> Option<Stop> {
+        if self.run.is_cancelled() {
+            return Some(Stop::Cancelled);
+        }
+        (self.summary.iterations.len() > self.options.max_iterations)
+            .then_some(Stop::IterationLimit)
+    }
+
+    fn finish(self, state: &State) -> Reshaped {
+        let tet_points = self.scene.outward(&state.x);
+        Reshaped {
+            surface_points: self.scene.embedding.apply(&tet_points),
+            tet_points,
+            strain: state.s.clone(),
+            summary: self.summary,
+        }
+    }
+}
+
+/// Smallest share of a tet's volume that counts for the smoothness: nearly empty boundary tets
+/// of a lattice would otherwise be free to invert.
+const SMALLEST_TET_WEIGHT: f64 = 0.1;
