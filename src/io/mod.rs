@@ -1,1 +1,57 @@
-//! Reading and writing files.
+//! Files in and out. Only `job` and the doors above it use this module; algorithms see plain data.
+//!
+//! Every reader has two forms: `read_*(path)` and `parse_*(bytes, path)`, where `path` serves the
+//! error sentences only. Readers check all counts and indices against the bytes that are there, so
+//! a broken file gives an error that names its line or element.
+//!
+//! **Frames and units.** Positions are returned as the file has them, with one exception: files
+//! that state an LPS frame (3D Slicer `.mrk.json` and `.fcsv`) are turned into RAS, the frame of
+//! NIfTI. CSV, XYZ, PLY, OBJ, STL and `.pp` files state no frame and are taken as they are. A
+//! Slicer file without a frame is an error, because guessing would mirror the person.
+
+mod anchor;
+mod ascii_points;
+mod bytes;
+mod csv_points;
+mod fcsv;
+mod gmsh;
+mod markers;
+mod markups;
+mod obj;
+mod obj_write;
+mod pairs;
+mod picked_points;
+mod ply;
+mod stl;
+mod surface;
+mod table;
+mod tetgen_files;
+mod tets;
+mod text;
+mod veg;
+mod vtu_read;
+mod vtu_write;
+mod write;
+
+pub use anchor::{Anchor, ResolvedAnchor};
+pub use ascii_points::parse_xyz;
+pub use csv_points::{parse_csv_markers, write_csv_markers};
+pub use fcsv::{parse_fcsv, write_fcsv};
+pub use gmsh::parse_gmsh;
+pub use markers::{Marker, parse_markers, read_markers, write_markers};
+pub use markups::{parse_markups, write_markups};
+pub use obj::{ObjCorner, ObjDocument};
+pub use pairs::{
+    Attachment, Landmark, PairedLandmarks, pair_by_label, parse_attachments, parse_fixed,
+    parse_landmarks, read_attachments, read_fixed, read_landmarks,
+};
+pub use picked_points::{parse_picked_points, write_picked_points};
+pub use ply::{PlyDocument, write_ply};
+pub use stl::{StlDocument, write_stl};
+pub use surface::{SurfaceFile, parse_surface, read_surface, write_surface};
+pub use tetgen_files::parse_tetgen;
+pub use tets::read_tets;
+pub use veg::parse_veg;
+pub use vtu_read::parse_vtu;
+pub use vtu_write::{DataArray, write_vtu};
+pub use write::{read_bytes, write_beside};

@@ -1,0 +1,66 @@
+//! Whole files: read into memory, or written beside the target and renamed over it.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// The bytes of a file.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).map_err(|e| Error::io("read", path, e))
+}
+
+/// Writes a file such that `path` holds either its old content or the complete new one: `fill`
+/// writes to a file beside it, which is then renamed. Missing folders are made.
+pub fn write_beside(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        fs::create_dir_all(folder).map_err(|e| Error::io("create", folder, e))?;
+    }
+    let beside = beside(path);
+    let written = fill_file(&beside, fill).and_then(|()| fs::rename(&beside, path));
+    written.map_err(|e| {
+        // The first error is the one to tell; a leftover that cannot be removed is harmless.
+        let _ = fs::remove_file(&beside);
+        Error::io("write", path, e)
+    })
+}
+
+/// A name in the same folder (renaming works only within one file system), one per process.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    path.with_file_name(name)
+}
+
+fn fill_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    fill(&mut out)?;
+    out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_other() {
+        let folder = std::env::temp_dir().join(format!("moulage_write_{}", std::process::id()));
+        let path = folder.join("a/b.txt");
+        write_beside(&path, |out| out.write_all(b"old")).unwrap();
+        let error = write_beside(&path, |out| {
+            out.write_all(b"half")?;
+            Err(io::Error::other("the disk is full"))
+        })
+        .unwrap_err();
+        assert!(error.to_string().ends_with("b.txt: the disk is full"), "{error}");
+        assert_eq!(read_bytes(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.join("a")).unwrap().count(), 1);
+        fs::remove_dir_all(folder).unwrap();
+    }
+}
