@@ -64,6 +64,7 @@ mod tests {
         assert_eq!(markers[0].position, Vec3::new(1.0, 2.0, 3.0));
         assert_eq!((markers[0].weight, markers[1].weight), (Some(0.5), None));
         assert_eq!(parse("1;2;3\n4;5;6").unwrap().len(), 2);
+        assert_eq!(parse("x,y,z,how\n1,2,3,by eye, twice\n").unwrap().len(), 1);
     }
 
     #[test]
@@ -72,7 +73,8 @@ mod tests {
             ("", "a.csv: the file is empty"),
             ("a,b\n1,2\n", "line 1: columns x, y and z are needed, but the file has a, b"),
             ("x,y,z\n1,2,3\n1,inf,3\n", "line 3: y is inf, not a finite number"),
-            ("x,y,z\n1,2\n", "line 2: the line has 2 columns, the lines before it 3"),
+            ("x,y,z\n1,2\n", "line 2: the line has 2 columns, the line with the names 3"),
+            ("x,y,z\n1,5,2,3\n", "line 2: the line has 4 columns"),
             ("x,y,z\n1,,3\n", "line 2: y is empty"),
             ("x,y,z,weight\n1,2,3,-1\n", "line 2: weight is -1; it must not be negative"),
             ("1,2,3,4\n", "must name the columns"),

@@ -95,7 +95,7 @@ impl<'a> Reader<'a> {
 
     fn error(&self, message: &str) -> Error {
         let read = self.all.len() - self.bytes.rest().len();
-        let line = self.all[..read].iter().filter(|&&b| b == b'\n').count() + 1;
+        let line = self.all[..read].split(|&b| b == b'\n').count();
         Error::parse(self.path, (!self.binary).then_some(line), message)
     }
 
@@ -300,7 +300,11 @@ mod tests {
             ("4.1 0", "3.0 0", "version '3.0' is not read"),
             ("4.1 0 8", "4.1 0 4", "only 8-byte numbers"),
             ("0 1 0\n", "0 one 0\n", "line 15: 'one' is not a number"),
-            ("2 4 1 9\n2 1 0 3", "2 4 1 9\n2 1 0 99999999999", "'0.5' is not a whole number"),
+            (
+                "2 4 1 9\n2 1 0 3",
+                "2 4 1 9\n2 1 0 99999999999",
+                "line 18: '0.0' is not a whole number",
+            ),
             ("2 1 2 5 9", "2 1 2 5 8", "tet 0 refers to a vertex that is not"),
             ("3 1 4 1", "3 1 99 1", "elements of Gmsh's type 99 are not known"),
             ("1\n2\n5\n", "1\n2\n2\n", "node 2 is there twice"),

@@ -8,6 +8,9 @@ use super::text::{Place, decode};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
+/// Columns of words for people, which are not read.
+const FREE_TEXT: [&str; 6] = ["how", "comment", "description", "desc", "note", "notes"];
+
 /// A table with a header line.
 pub(super) struct Table {
     path: PathBuf,
@@ -37,11 +40,12 @@ impl Table {
             .delimiter(delimiter)
             .comment(Some(b'#'))
             .trim(Trim::All)
+            .flexible(true)
             .has_headers(!bare)
             .from_reader(text.as_bytes());
         let wrong = |e: csv::Error| {
             let line = e.position().map(|p| p.line() as usize);
-            Error::parse(path, line, in_words(&e))
+            Error::parse(path, line, e.to_string())
         };
         let names = if bare {
             ["x", "y", "z"].map(str::to_owned).to_vec()
@@ -49,7 +53,25 @@ impl Table {
             reader.headers().map_err(wrong)?.iter().map(str::to_lowercase).collect()
         };
         let rows = reader.records().collect::<Result<_, _>>().map_err(wrong)?;
-        Ok(Self { path: path.to_path_buf(), names, rows })
+        let table = Self { path: path.to_path_buf(), names, rows };
+        table.check_lengths()?;
+        Ok(table)
+    }
+
+    /// Each line needs one cell per column: a comma more or less (a decimal comma, say) would shift
+    /// the numbers. Only a last column of free text may hold commas without quotes.
+    fn check_lengths(&self) -> Result<()> {
+        let expected = self.names.len();
+        let free_text = self.names.last().is_some_and(|name| FREE_TEXT.contains(&name.as_str()));
+        for row in self.rows() {
+            let found = row.record.len();
+            if found < expected || (found > expected && !free_text) {
+                return Err(row.place().error(format!(
+                    "the line has {found} columns, the line with the names {expected}"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// The first column with one of these names.
@@ -77,15 +99,6 @@ impl Table {
     /// The rows.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|record| Row { table: self, record })
-    }
-}
-
-fn in_words(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("the line has {len} columns, the lines before it {expected_len}")
-        }
-        _ => error.to_string(),
     }
 }
 
