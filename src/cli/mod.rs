@@ -1,0 +1,65 @@
+//! Parsing and showing; all work is done by the library.
+//!
+//! Exit codes: 0 good, 1 bad input, 2 the solver gave up (the result is written), 130 interrupted.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod check;
+mod progress;
+mod reshape;
+mod tetrahedralize;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// The input cannot be worked with.
+const BAD_INPUT: u8 = 1;
+/// The solver gave up; its best shape is written.
+const GAVE_UP: u8 = 2;
+/// Interrupted; the best shape so far is written.
+const INTERRUPTED: u8 = 130;
+
+/// Puts a template of an organ, bone or skeleton into one person's shape.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Put a template into the shape that markers on a scan show
+    Reshape(Box<reshape::Arguments>),
+    /// Fill a surface with tets and print their quality
+    Tetrahedralize(tetrahedralize::Arguments),
+    /// Say in words what is wrong with meshes, marker files or jobs
+    Check(check::Arguments),
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are no errors; clap's own code for wrong flags means something
+            // else here.
+            let code = if error.use_stderr() { BAD_INPUT } else { 0 };
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let code = match arguments.command {
+        Command::Reshape(arguments) => reshape::run(*arguments),
+        Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
+        Command::Check(arguments) => Ok(check::run(&arguments)),
+    };
+    code.unwrap_or_else(|error| {
+        eprintln!("moulage: {error}");
+        ExitCode::from(match error {
+            moulage::Error::Cancelled => INTERRUPTED,
+            moulage::Error::Diverged(_) | moulage::Error::Singular(_) => GAVE_UP,
+            _ => BAD_INPUT,
+        })
+    })
+}

@@ -1,0 +1,323 @@
+//! What is suspicious about a job's inputs, before anything is computed.
+
+use super::inputs::{Inputs, Pair};
+use super::spec::Align;
+use crate::error::{Error, Result};
+use crate::locate::ClosestPoints;
+use crate::math::Vec3;
+use crate::mesh::{SurfaceCheck, TriMesh, bounding_box};
+
+/// Markers and template whose sizes differ by more than this do not have the same unit.
+const UNIT_RATIO: f64 = 30.0;
+/// Ratios between the units people mix up.
+const UNITS: [(f64, &str); 4] = [
+    (1000.0, "metres beside millimetres"),
+    (100.0, "metres beside centimetres"),
+    (10.0, "centimetres beside millimetres"),
+    (25.4, "inches beside millimetres"),
+];
+/// Markers this share of the diagonal away from the template, in the mean, are somewhere else.
+const FAR: f64 = 0.5;
+/// A frame is mixed up if turning it brings the markers this much nearer.
+const NEARER: f64 = 0.2;
+/// Fewer markers leave most of the shape to the prior.
+const FEW_MARKERS: usize = 10;
+/// Points nearer than this share of the diagonal are the same place.
+const SAME_PLACE: f64 = 1e-6;
+/// Targets farther apart than this share of the diagonal are different places.
+const OTHER_PLACE: f64 = 0.02;
+/// Neighbouring landmarks whose targets are this many times farther apart are suspicious.
+const TORN: f64 = 10.0;
+/// Points within this share of their extent from one line do not hold a body.
+const COLLINEAR: f64 = 1e-3;
+
+/// Checks the inputs against each other. What cannot work is an error; what may be a mistake comes
+/// back as a sentence each.
+pub fn inspect(inputs: &Inputs, align: Align) -> Result<Vec<String>> {
+    let mut warnings = surface_warnings(inputs);
+    let markers: Vec<Vec3> = inputs.markers.iter().map(|m| m.position).collect();
+    check_amount(inputs)?;
+    if align != Align::Similarity {
+        check_units(&inputs.surface, &markers)?;
+    }
+    if align == Align::None {
+        check_place(&inputs.surface, &markers, &mut warnings)?;
+    }
+    if (1..FEW_MARKERS).contains(&markers.len()) && inputs.landmarks.len() < FEW_MARKERS {
+        warnings.push(format!(
+            "there are only {} markers; where none is near, the shape is a smooth guess",
+            markers.len()
+        ));
+    }
+    check_pairs(&inputs.landmarks, "landmarks", inputs.surface.diagonal(), &mut warnings)?;
+    check_pairs(&inputs.attachments, "attachments", inputs.surface.diagonal(), &mut warnings)?;
+    check_attachments(inputs)?;
+    Ok(warnings)
+}
+
+fn surface_warnings(inputs: &Inputs) -> Vec<String> {
+    let surface = &inputs.surface;
+    let check = SurfaceCheck::new(surface);
+    let mut warnings: Vec<String> = check
+        .sentences(surface)
+        .into_iter()
+        .map(|sentence| format!("{}: {sentence}", inputs.template_path.display()))
+        .collect();
+    if check.is_closed() && surface.volume() < 0.0 {
+        warnings.push(format!(
+            "{}: the surface is inside out (its normals point inwards); flip the normals",
+            inputs.template_path.display()
+        ));
+    }
+    warnings
+}
+
+fn check_amount(inputs: &Inputs) -> Result<()> {
+    let counts = [inputs.markers.len(), inputs.landmarks.len(), inputs.attachments.len()];
+    if counts.iter().sum::<usize>() >= 3 {
+        return Ok(());
+    }
+    Err(Error::invalid(format!(
+        "{} markers, {} landmarks and {} attachments do not determine a shape; give at least three points",
+        counts[0], counts[1], counts[2]
+    )))
+}
+
+fn diagonal(points: &[Vec3]) -> f64 {
+    bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm())
+}
+
+fn check_units(surface: &TriMesh, markers: &[Vec3]) -> Result<()> {
+    let (own, theirs) = (surface.diagonal(), diagonal(markers));
+    if markers.len() < 3 || theirs == 0.0 || own == 0.0 {
+        return Ok(());
+    }
+    let ratio = (own / theirs).max(theirs / own);
+    if ratio < UNIT_RATIO {
+        return Ok(());
+    }
+    let nearest =
+        UNITS.iter().min_by(|a, b| (a.0 / ratio).ln().abs().total_cmp(&(b.0 / ratio).ln().abs()));
+    let guess = nearest
+        .filter(|(unit, _)| (0.6..1.7).contains(&(unit / ratio)))
+        .map_or(String::new(), |(_, name)| format!(", as with {name}"));
+    let larger = if own > theirs { "the template" } else { "the markers' cloud" };
+    Err(Error::invalid(format!(
+        "the markers span {theirs:.4} and the template {own:.4}: {larger} is {ratio:.0} times larger{guess}; bring both to one unit"
+    )))
+}
+
+/// Markers that are not where the template is: by a mixed-up frame, or altogether.
+fn check_place(surface: &TriMesh, markers: &[Vec3], warnings: &mut Vec<String>) -> Result<()> {
+    if markers.is_empty() {
+        return Ok(());
+    }
+    let closest = ClosestPoints::new(&surface.points, &surface.triangles);
+    let mean = |signs: Vec3| {
+        let moved: Vec<Vec3> = markers.iter().map(|m| m.component_mul(&signs)).collect();
+        let found = closest.closest_many(&moved).into_iter().flatten();
+        found.map(|hit| hit.distance).sum::<f64>() / markers.len() as f64
+    };
+    let (as_is, turned) = (mean(Vec3::new(1.0, 1.0, 1.0)), mean(Vec3::new(-1.0, -1.0, 1.0)));
+    if as_is < FAR * surface.diagonal() {
+        return Ok(());
+    }
+    if turned < NEARER * as_is {
+        return Err(Error::invalid(format!(
+            "the markers lie {as_is:.3} from the template in the mean, but only {turned:.3} with x and y negated: \
+             one of the files is in LPS, the other in RAS; convert one of them"
+        )));
+    }
+    warnings.push(format!(
+        "the markers lie {as_is:.3} from the template in the mean, more than half its size; move the template there first, with align = \"rigid\""
+    ));
+    Ok(())
+}
+
+/// Pairs that contradict each other: one place with two targets, or neighbours torn apart.
+fn check_pairs(
+    pairs: &[Pair],
+    what: &str,
+    diagonal: f64,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
+    let mut torn = Vec::new();
+    for (i, a) in pairs.iter().enumerate() {
+        for b in &pairs[..i] {
+            let here = (a.position - b.position).norm();
+            let there = (a.target - b.target).norm();
+            if here <= SAME_PLACE * diagonal && there > OTHER_PLACE * diagonal {
+                return Err(Error::invalid(format!(
+                    "the {what} '{}' and '{}' are the same place of the template, but their targets are {there:.3} apart; remove one",
+                    b.label, a.label
+                )));
+            }
+            if there > TORN * here && there > OTHER_PLACE * diagonal {
+                torn.push((b, a, here, there));
+            }
+        }
+    }
+    if let Some((b, a, here, there)) = torn.first() {
+        warnings.push(format!(
+            "{} pairs of {what} contradict each other, such as '{}' and '{}': {here:.3} apart on the template, {there:.3} on the person; look for swapped points",
+            torn.len(),
+            b.label,
+            a.label
+        ));
+    }
+    Ok(())
+}
+
+/// Attachments hold the body; on one line they leave it free to turn around that line.
+fn check_attachments(inputs: &Inputs) -> Result<()> {
+    if inputs.attachments.is_empty() {
+        return Ok(());
+    }
+    let mut points: Vec<Vec3> = inputs.attachments.iter().map(|a| a.position).collect();
+    points.extend(inputs.fixed.iter().map(|&v| inputs.surface.points[v as usize]));
+    if off_line(&points) > COLLINEAR * diagonal(&points).max(f64::MIN_POSITIVE) {
+        return Ok(());
+    }
+    Err(Error::invalid(format!(
+        "the {} attachments lie on one line or at one point, so the body can turn around it; add an attachment or a fixed point beside that line",
+        inputs.attachments.len()
+    )))
+}
+
+/// Largest distance from the line through the first point and the one farthest from it.
+fn off_line(points: &[Vec3]) -> f64 {
+    let first = points[0];
+    let far = points
+        .iter()
+        .copied()
+        .max_by(|a, b| (a - first).norm().total_cmp(&(b - first).norm()))
+        .unwrap_or(first);
+    let Some(along) = (far - first).try_normalize(f64::MIN_POSITIVE) else { return 0.0 };
+    points.iter().map(|p| (p - first).cross(&along).norm()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::io::{Marker, parse_surface};
+
+    /// A box of 2 x 3 x 4 at (10, 20, 30), with markers near its corners.
+    fn inputs() -> Inputs {
+        let mut text = String::new();
+        for k in 0..8 {
+            text += &format!("v {} {} {}\n", 10 + k % 2 * 2, 20 + k / 2 % 2 * 3, 30 + k / 4 * 4);
+        }
+        text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+        let template = parse_surface(text.into_bytes(), Path::new("box.obj")).unwrap();
+        let surface = template.mesh().unwrap();
+        let markers = surface.points.iter().cycle().take(16).map(|p| Marker::at(p * 1.01));
+        Inputs {
+            template_path: "box.obj".into(),
+            markers: markers.collect(),
+            template,
+            surface,
+            landmarks: Vec::new(),
+            attachments: Vec::new(),
+            fixed: Vec::new(),
+            carried: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    fn pair(label: &str, position: [f64; 3], target: [f64; 3]) -> Pair {
+        let (position, target) = (position.into(), target.into());
+        Pair { label: label.into(), position, vertex: None, target, weight: 1.0 }
+    }
+
+    fn scale_markers(inputs: &mut Inputs, factor: [f64; 3]) {
+        for marker in &mut inputs.markers {
+            marker.position.component_mul_assign(&Vec3::from(factor));
+        }
+    }
+
+    fn error(change: impl Fn(&mut Inputs)) -> String {
+        let mut inputs = inputs();
+        change(&mut inputs);
+        inspect(&inputs, Align::None).unwrap_err().to_string()
+    }
+
+    fn warnings(change: impl Fn(&mut Inputs)) -> String {
+        let mut inputs = inputs();
+        change(&mut inputs);
+        inspect(&inputs, Align::None).unwrap().join("\n")
+    }
+
+    #[test]
+    fn good_inputs_raise_nothing() {
+        assert_eq!(warnings(|_| {}), "");
+    }
+
+    #[test]
+    fn too_few_points_are_an_error() {
+        let text = error(|i| i.markers.truncate(1));
+        assert!(text.starts_with("1 markers, 0 landmarks and 0 attachments do not"), "{text}");
+        assert!(warnings(|i| i.markers.truncate(5)).contains("there are only 5 markers"));
+    }
+
+    #[test]
+    fn metres_on_a_millimetre_template_are_named_by_their_ratio() {
+        let text = error(|i| scale_markers(i, [0.001; 3]));
+        assert!(text.contains("990 times larger, as with metres beside millimetres"), "{text}");
+        let text = error(|i| scale_markers(i, [500.0; 3]));
+        assert!(text.contains("the markers' cloud is 505 times larger; bring"), "{text}");
+    }
+
+    #[test]
+    fn a_mixed_up_frame_is_suspected_and_a_far_template_is_named() {
+        let text = error(|i| scale_markers(i, [-1.0, -1.0, 1.0]));
+        assert!(text.contains("one of the files is in LPS, the other in RAS"), "{text}");
+        let text = warnings(|i| i.markers.iter_mut().for_each(|m| m.position.z += 40.0));
+        assert!(text.contains("more than half its size; move the template"), "{text}");
+    }
+
+    #[test]
+    fn surfaces_turned_inside_out_or_broken_are_named() {
+        let text = warnings(|i| i.surface.triangles.iter_mut().for_each(|t| t.swap(0, 1)));
+        assert!(text.contains("box.obj: the surface is inside out"), "{text}");
+        let text = warnings(|i| i.surface.triangles[0].swap(0, 1));
+        assert!(
+            text.contains("box.obj: 3 edges lie between triangles that face opposite"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn contradictory_landmarks_are_named() {
+        let text = error(|i| {
+            i.landmarks.push(pair("tip", [10.0, 20.0, 30.0], [10.0, 20.0, 30.0]));
+            i.landmarks.push(pair("top", [10.0, 20.0, 30.0], [12.0, 20.0, 30.0]));
+        });
+        assert!(text.contains("landmarks 'tip' and 'top' are the same place"), "{text}");
+        let text = warnings(|i| {
+            i.landmarks.push(pair("tip", [10.0, 20.0, 30.0], [10.0, 20.0, 30.0]));
+            i.landmarks.push(pair("top", [10.0, 20.0, 30.1], [12.0, 20.0, 30.0]));
+        });
+        assert!(text.contains("1 pairs of landmarks contradict each other"), "{text}");
+    }
+
+    #[test]
+    fn attachments_on_a_line_are_an_error_unless_fixed_points_help() {
+        let on_line = |i: &mut Inputs| {
+            for k in 0..4 {
+                let p = [10.0 + 0.5 * f64::from(k), 20.0, 30.0];
+                i.attachments.push(pair(&k.to_string(), p, p));
+            }
+        };
+        let text = error(on_line);
+        assert!(text.contains("the 4 attachments lie on one line"), "{text}");
+        assert_eq!(
+            warnings(|i| {
+                on_line(i);
+                i.fixed.push(7)
+            }),
+            ""
+        );
+    }
+}

@@ -1,0 +1,146 @@
+//! Figures of a result: distances, stretches, tet angles.
+
+use serde::Serialize;
+
+use super::inputs::Pair;
+use crate::locate::{ClosestPoints, Embedding, NearestPoints};
+use crate::math::symmetric3;
+use crate::math::{Mat3, Sym3, Vec3};
+use crate::mesh::TetMesh;
+
+/// Mean, 95th percentile and largest of some distances, in the template's unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of a list; zeros without values.
+    pub fn of(values: &[f64]) -> Self {
+        if values.is_empty() {
+            return Self::default();
+        }
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len() - 1;
+        Self {
+            mean: sorted.iter().sum::<f64>() / sorted.len() as f64,
+            p95: sorted[(0.95 * last as f64).round() as usize],
+            max: sorted[last],
+        }
+    }
+}
+
+/// Distance of each marker to a surface.
+pub fn marker_distances(points: &[Vec3], triangles: &[[u32; 3]], markers: &[Vec3]) -> Vec<f64> {
+    let closest = ClosestPoints::new(points, triangles);
+    closest.closest_many(markers).into_iter().map(|hit| hit.map_or(0.0, |h| h.distance)).collect()
+}
+
+/// Distance of each pair's place to its target, before and after.
+pub fn pair_distances(pairs: &[Pair], before: &TetMesh, after: &[Vec3]) -> Vec<(f64, f64)> {
+    let positions: Vec<Vec3> = pairs.iter().map(|pair| pair.position).collect();
+    let Ok(embedding) = Embedding::new(before, &positions) else { return Vec::new() };
+    let moved = embedding.apply(after);
+    pairs
+        .iter()
+        .zip(moved)
+        .map(|(pair, now)| ((pair.position - pair.target).norm(), (now - pair.target).norm()))
+        .collect()
+}
+
+/// Distance of each surface vertex to the nearest marker.
+pub fn distance_to_markers(points: &[Vec3], markers: &[Vec3]) -> Vec<f64> {
+    let nearest = NearestPoints::new(markers);
+    points.iter().map(|p| nearest.nearest(p).map_or(0.0, |(_, distance)| distance)).collect()
+}
+
+/// Plastic strain of every tet: the exponential of the mean of its corners' logarithms.
+pub fn plastic_strains(mesh: &TetMesh, logarithms: &[Sym3]) -> Vec<Mat3> {
+    let mean = |tet: &[u32; 4]| tet.iter().map(|&v| logarithms[v as usize]).sum::<Sym3>() / 4.0;
+    mesh.tets.iter().map(|tet| symmetric3::exp(&mean(tet))).collect()
+}
+
+/// Principal stretches of a deformation, largest first.
+pub fn principal_stretches(deformation: &Mat3) -> Vec3 {
+    let values = deformation.singular_values();
+    let mut sorted = [values[0], values[1], values[2]];
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    sorted.into()
+}
+
+/// Deformation gradient of every tet from its rest shape to its present one.
+pub fn deformation_gradients(rest: &TetMesh, now: &[Vec3]) -> Vec<Mat3> {
+    let edges = |[a, b, c, d]: [Vec3; 4]| Mat3::from_columns(&[b - a, c - a, d - a]);
+    rest.tets
+        .iter()
+        .enumerate()
+        .map(|(t, tet)| {
+            let from = edges(rest.corners(t)).try_inverse().unwrap_or_else(Mat3::zeros);
+            edges(tet.map(|v| now[v as usize])) * from
+        })
+        .collect()
+}
+
+/// Largest and smallest principal stretch at each surface vertex, interpolated between the nodes of
+/// the tet mesh, each of which has the volume-weighted mean of its tets.
+pub fn vertex_stretches(
+    rest: &TetMesh,
+    now: &[Vec3],
+    embedding: &Embedding,
+) -> (Vec<f64>, Vec<f64>) {
+    let gradients = deformation_gradients(rest, now);
+    let mut at_nodes = vec![(Vec3::zeros(), 0.0); rest.points.len()];
+    for (t, tet) in rest.tets.iter().enumerate() {
+        let (stretches, volume) = (principal_stretches(&gradients[t]), rest.volume(t));
+        for &v in tet {
+            let (sum, weight) = &mut at_nodes[v as usize];
+            *sum += stretches * volume;
+            *weight += volume;
+        }
+    }
+    let nodes: Vec<Vec3> = at_nodes.iter().map(|(sum, w)| sum / w.max(f64::MIN_POSITIVE)).collect();
+    let at_vertices = embedding.apply(&nodes);
+    (at_vertices.iter().map(|s| s[0]).collect(), at_vertices.iter().map(|s| s[2]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tet() -> TetMesh {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        TetMesh::new(points.map(Vec3::from).to_vec(), vec![[0, 1, 2, 3]]).unwrap()
+    }
+
+    #[test]
+    fn a_stretched_and_turned_tet_has_its_stretches() {
+        let map = Mat3::new(0.0, -0.5, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 2.0);
+        let now: Vec<Vec3> = tet().points.iter().map(|p| map * p).collect();
+        let gradient = deformation_gradients(&tet(), &now)[0];
+        assert!((gradient - map).norm() < 1e-14);
+        let stretches = principal_stretches(&gradient);
+        assert!((stretches - Vec3::new(3.0, 2.0, 0.5)).norm() < 1e-14);
+        let embedding = Embedding::new(&tet(), &[Vec3::new(0.2, 0.2, 0.2)]).unwrap();
+        let (largest, smallest) = vertex_stretches(&tet(), &now, &embedding);
+        assert!((largest[0] - 3.0).abs() < 1e-14 && (smallest[0] - 0.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn spreads_and_pairs_are_measured() {
+        let spread = Spread::of(&[3.0, 1.0, 2.0]);
+        assert_eq!(spread, Spread { mean: 2.0, p95: 3.0, max: 3.0 });
+        let mesh = tet();
+        let position = Vec3::new(0.25, 0.25, 0.0);
+        let target = position + Vec3::z();
+        let pair = Pair { label: "a".into(), position, vertex: None, target, weight: 1.0 };
+        let lifted: Vec<Vec3> = mesh.points.iter().map(|p| p + Vec3::z() * 0.75).collect();
+        let (before, after) = pair_distances(&[pair], &mesh, &lifted)[0];
+        assert!((before - 1.0).abs() < 1e-12 && (after - 0.25).abs() < 1e-12);
+    }
+}

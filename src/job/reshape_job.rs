@@ -1,0 +1,162 @@
+//! One reshaping from files to files.
+
+use std::time::Instant;
+
+use super::fill::{Filling, fill};
+use super::inputs::{Inputs, Pair};
+use super::inspect::inspect;
+use super::output;
+use super::report::{Ending, Report, Stage};
+use super::result::Outcome;
+use super::spec::{Align, ReshapeJob};
+use crate::align::{Freedom, Similarity, pre_align};
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint, reshape};
+use crate::run::Run;
+
+/// What a finished job tells its caller.
+#[derive(Clone, Debug)]
+pub struct JobResult {
+    /// All figures, also in `report.json`.
+    pub report: Report,
+    /// The template's vertices in the person's shape.
+    pub points: Vec<Vec3>,
+}
+
+/// Reads, checks, reshapes and writes all that `job` names. A run that is cancelled, or whose
+/// solver gives up, writes its best shape; [`Report::ending`] tells. Nothing is written if the
+/// inputs cannot be worked with.
+pub fn run_reshape(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
+    let Some(threads) = job.threads else { return run_here(job, run) };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::invalid(format!("{threads} threads cannot be started: {e}")))?;
+    pool.install(|| run_here(job, run))
+}
+
+fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
+    let mut clock = Clock::new();
+    run.enter("reading", 0.0);
+    output::check_places(job)?;
+    let mut inputs = Inputs::read(job)?;
+    let align = job.align.unwrap_or_default();
+    let suspicions = inspect(&inputs, align)?;
+    inputs.warnings.extend(suspicions);
+    place(&mut inputs, align)?;
+    clock.stop("reading");
+    run.enter("filling with tets", 0.0);
+    let mut filling = fill(job, &inputs.surface, run)?;
+    inputs.warnings.append(&mut filling.warnings);
+    clock.stop("tets");
+    let (problem, options) = (problem(&inputs, &filling), options(job));
+    let reshaped = reshape(&problem, &options, run)?;
+    clock.stop("solver");
+    let outcome = Outcome::new(&inputs, &filling, &problem, &options, reshaped);
+    let mut report = outcome.report(&inputs, &filling);
+    run.enter("writing", 1.0);
+    report.written = output::write(job, &inputs, &filling, &outcome)?;
+    clock.stop("writing");
+    report.stages = clock.stages;
+    if let Some(folder) = &job.report {
+        report.written.extend(["report.html", "report.json"].map(|name| folder.join(name)));
+        report.write(folder, &outcome.shapes(&inputs))?;
+    }
+    Ok(JobResult { points: outcome.reshaped.surface_points, report })
+}
+
+/// Moves template, template points and carried meshes to where the person is.
+fn place(inputs: &mut Inputs, align: Align) -> Result<()> {
+    let freedom = match align {
+        Align::None => return Ok(()),
+        Align::Rigid => Freedom::Rigid,
+        Align::Similarity => Freedom::Similarity,
+    };
+    if !inputs.fixed.is_empty() {
+        return Err(Error::invalid(
+            "fixed points stay where they are, so the template cannot be aligned; leave one of the two out",
+        ));
+    }
+    let markers: Vec<Vec3> = inputs.markers.iter().map(|m| m.position).collect();
+    let (from, to): (Vec<Vec3>, Vec<Vec3>) =
+        inputs.landmarks.iter().map(|l| (l.position, l.target)).unzip();
+    let motion = pre_align(&inputs.surface, &markers, Some((&from, &to)), freedom)?;
+    let apply = |motion: &Similarity, points: &mut [Vec3]| {
+        for p in points {
+            *p = motion.apply(p);
+        }
+    };
+    apply(&motion, &mut inputs.surface.points);
+    for (_, _, points) in &mut inputs.carried {
+        apply(&motion, points);
+    }
+    for pair in inputs.landmarks.iter_mut().chain(&mut inputs.attachments) {
+        pair.position = motion.apply(&pair.position);
+    }
+    Ok(())
+}
+
+fn problem(inputs: &Inputs, filling: &Filling) -> Problem {
+    let mut problem = Problem::new(
+        inputs.surface.clone(),
+        filling.mesh.clone(),
+        filling.embedding.clone(),
+        filling.inside_fraction.clone(),
+    );
+    let pair = |pair: &Pair| Landmark {
+        label: pair.label.clone(),
+        template: pair.vertex.map_or(TemplatePoint::Position(pair.position), TemplatePoint::Vertex),
+        target: pair.target,
+        weight: pair.weight,
+    };
+    problem.markers = inputs
+        .markers
+        .iter()
+        .map(|m| Marker { position: m.position, weight: m.weight.unwrap_or(1.0) })
+        .collect();
+    problem.landmarks = inputs.landmarks.iter().map(pair).collect();
+    problem.attachments = inputs.attachments.iter().map(pair).collect();
+    problem.fixed.clone_from(&inputs.fixed);
+    problem
+}
+
+fn options(job: &ReshapeJob) -> Options {
+    let defaults = Options::default();
+    Options {
+        tolerance: job.tolerance,
+        landmark_tolerance: job.landmark_tolerance,
+        attachment_tolerance: job.attachment_tolerance,
+        hard_attachments: job.hard_attachments.unwrap_or(defaults.hard_attachments),
+        smoothness: job.smoothness.unwrap_or(defaults.smoothness),
+        screening: job.screening.unwrap_or(defaults.screening),
+        poisson: job.poisson.unwrap_or(defaults.poisson),
+        max_iterations: job.max_iterations.unwrap_or(defaults.max_iterations),
+        ..defaults
+    }
+}
+
+/// Seconds of each stage.
+struct Clock {
+    last: Instant,
+    stages: Vec<Stage>,
+}
+
+impl Clock {
+    fn new() -> Self {
+        Self { last: Instant::now(), stages: Vec::new() }
+    }
+
+    fn stop(&mut self, name: &str) {
+        let seconds = self.last.elapsed().as_secs_f64();
+        self.stages.push(Stage { name: name.to_owned(), seconds });
+        self.last = Instant::now();
+    }
+}
+
+impl JobResult {
+    /// Whether the solver was satisfied.
+    pub fn is_good(&self) -> bool {
+        self.report.ending == Ending::Good
+    }
+}

@@ -1,0 +1,194 @@
+//! What came out of the solver, measured.
+
+use super::fill::Filling;
+use super::inputs::{Inputs, Pair};
+use super::measure::{
+    Spread, deformation_gradients, marker_distances, pair_distances, principal_stretches,
+    vertex_stretches,
+};
+use super::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
+use crate::math::Vec3;
+use crate::mesh::quality::dihedral_angles;
+use crate::mesh::{TetMesh, TriMesh, signed_volume};
+use crate::reshape::{Options, Problem, Reshaped, Stop};
+
+/// A pair farther off than so many tolerances, and than so many times the median, is suspect.
+const SUSPECT: f64 = 5.0;
+/// A tet counts for the figures if at least this share of it is inside the surface.
+const INSIDE: f64 = 0.5;
+/// Bins of 10 degrees up to 180.
+const BINS: usize = 18;
+
+/// The solver's result with what the outputs need.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The result itself.
+    pub reshaped: Reshaped,
+    /// Marker positions.
+    pub markers: Vec<Vec3>,
+    /// Largest and smallest principal stretch per surface vertex.
+    pub stretch: (Vec<f64>, Vec<f64>),
+    tolerance: f64,
+    landmark_tolerance: f64,
+    attachment_tolerance: f64,
+}
+
+impl Outcome {
+    /// Measures what the outputs need.
+    pub fn new(
+        inputs: &Inputs,
+        filling: &Filling,
+        problem: &Problem,
+        options: &Options,
+        reshaped: Reshaped,
+    ) -> Self {
+        let stretch = vertex_stretches(&filling.mesh, &reshaped.tet_points, &filling.embedding);
+        let tolerance = options.tolerance.unwrap_or(problem.surface.diagonal() * DEFAULT_TOLERANCE);
+        Self {
+            markers: inputs.markers.iter().map(|m| m.position).collect(),
+            landmark_tolerance: options.landmark_tolerance.unwrap_or(tolerance),
+            attachment_tolerance: options.attachment_tolerance.unwrap_or(tolerance),
+            tolerance,
+            stretch,
+            reshaped,
+        }
+    }
+
+    /// The report, without stages and files.
+    pub fn report(&self, inputs: &Inputs, filling: &Filling) -> Report {
+        let summary = &self.reshaped.summary;
+        let (ending, why) = ending(summary.stop);
+        let distances = self.distances(inputs);
+        let now = &self.reshaped.tet_points;
+        let inside: Vec<usize> = (0..filling.mesh.tets.len())
+            .filter(|&t| filling.inside_fraction[t] >= INSIDE)
+            .collect();
+        let pairs = |list: &[Pair], tolerance: f64| {
+            pair_lines(list, &pair_distances(list, &filling.mesh, now), tolerance)
+        };
+        let moved =
+            TriMesh { points: self.reshaped.surface_points.clone(), ..inputs.surface.clone() };
+        Report {
+            version: env!("CARGO_PKG_VERSION"),
+            template: inputs.template_path.clone(),
+            ending,
+            why: why.to_owned(),
+            warnings: inputs.warnings.clone(),
+            vertices: inputs.surface.points.len(),
+            tet_vertices: filling.mesh.points.len(),
+            tets: filling.mesh.tets.len(),
+            tets_made_by: filling.made_by.clone(),
+            markers: self.markers.len(),
+            fixed: inputs.fixed.len(),
+            iteration_count: summary.iterations.len().saturating_sub(1),
+            stages: Vec::new(),
+            tolerance: self.tolerance,
+            marker_distance: Change {
+                before: Spread::of(&distances.before),
+                after: Spread::of(&distances.after),
+            },
+            marker_distances: distances,
+            landmarks: pairs(&inputs.landmarks, self.landmark_tolerance),
+            attachments: pairs(&inputs.attachments, self.attachment_tolerance),
+            min_dihedral_histogram: Change {
+                before: min_dihedrals(&filling.mesh, &filling.mesh.points, &inside),
+                after: min_dihedrals(&filling.mesh, now, &inside),
+            },
+            inverted_tets: inverted(&filling.mesh, now),
+            stretch_range: stretch_range(&filling.mesh, now, &inside),
+            volume_ratio: moved.volume() / inputs.surface.volume(),
+            iterations: self.iterations(),
+            written: Vec::new(),
+        }
+    }
+
+    /// Shapes for the pictures.
+    pub fn shapes<'a>(&'a self, inputs: &'a Inputs) -> Shapes<'a> {
+        Shapes {
+            triangles: &inputs.surface.triangles,
+            before: &inputs.surface.points,
+            after: &self.reshaped.surface_points,
+            stretch: &self.stretch.0,
+            markers: &self.markers,
+        }
+    }
+
+    fn distances(&self, inputs: &Inputs) -> Change<Vec<f64>> {
+        let of =
+            |points: &[Vec3]| marker_distances(points, &inputs.surface.triangles, &self.markers);
+        Change { before: of(&inputs.surface.points), after: of(&self.reshaped.surface_points) }
+    }
+
+    fn iterations(&self) -> Vec<Iteration> {
+        let records = self.reshaped.summary.iterations.iter();
+        records
+            .map(|r| Iteration {
+                data_scale: r.data_scale,
+                objective: r.objective,
+                mean_marker_distance: r.mean_marker_distance,
+                max_marker_distance: r.max_marker_distance,
+                seconds: r.seconds,
+            })
+            .collect()
+    }
+}
+
+/// The solver's own default, relative to the template's diagonal.
+const DEFAULT_TOLERANCE: f64 = 1e-3;
+
+fn ending(stop: Stop) -> (Ending, &'static str) {
+    match stop {
+        Stop::Settled => (Ending::Good, "The objective no longer falls by a relevant amount."),
+        Stop::ToleranceMet => (Ending::Good, "All markers are within the tolerance."),
+        Stop::NoStep => (
+            Ending::GaveUp,
+            "No step lowers the objective although one should; look for markers or landmarks that contradict each other, or allow a larger tolerance.",
+        ),
+        Stop::IterationLimit => {
+            (Ending::GaveUp, "The iterations ran out; allow more, or a larger tolerance.")
+        }
+        Stop::Cancelled => (Ending::Interrupted, "It was asked to stop."),
+    }
+}
+
+fn pair_lines(pairs: &[Pair], distances: &[(f64, f64)], tolerance: f64) -> Vec<PairLine> {
+    let mut sorted: Vec<f64> = distances.iter().map(|d| d.1).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let limit = SUSPECT * tolerance.max(median);
+    pairs
+        .iter()
+        .zip(distances)
+        .map(|(pair, &(before, after))| PairLine {
+            label: pair.label.clone(),
+            before,
+            after,
+            suspect: after > limit,
+        })
+        .collect()
+}
+
+fn min_dihedrals(mesh: &TetMesh, points: &[Vec3], inside: &[usize]) -> Vec<usize> {
+    let mut bins = vec![0; BINS];
+    for &t in inside {
+        let angles = dihedral_angles(&mesh.tets[t].map(|v| points[v as usize]));
+        let smallest = angles.into_iter().fold(180.0, f64::min);
+        bins[((smallest / 10.0) as usize).min(BINS - 1)] += 1;
+    }
+    bins
+}
+
+fn inverted(mesh: &TetMesh, points: &[Vec3]) -> usize {
+    let volume = |tet: &&[u32; 4]| signed_volume(tet.map(|v| points[v as usize]));
+    mesh.tets.iter().filter(|tet| volume(tet) <= 0.0).count()
+}
+
+fn stretch_range(mesh: &TetMesh, now: &[Vec3], inside: &[usize]) -> [f64; 2] {
+    let gradients = deformation_gradients(mesh, now);
+    inside
+        .iter()
+        .map(|&t| principal_stretches(&gradients[t]))
+        .fold([f64::INFINITY, 0.0], |[low, high], stretches| {
+            [low.min(stretches[2]), high.max(stretches[0])]
+        })
+}
