@@ -39,6 +39,7 @@ pub fn convergence(report: &Report) -> String {
             .x_desc("iteration")
             .y_desc("marker distance")
             .x_label_formatter(&|x| format!("{x:.0}"))
+            .y_labels(5)
             .y_label_formatter(&|y| short(*y))
             .light_line_style(WHITE)
             .draw()?;
@@ -56,7 +57,12 @@ pub fn convergence(report: &Report) -> String {
                 .label(label)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour));
         }
-        chart.configure_series_labels().background_style(WHITE.mix(0.8)).draw()?;
+        // The mean falls from the upper left, the largest stays above: this corner is free.
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::LowerLeft)
+            .background_style(WHITE.mix(0.8))
+            .draw()?;
         Ok(())
     })
 }
@@ -80,6 +86,7 @@ pub fn objective(report: &Report) -> String {
             .x_desc("iteration")
             .y_desc("objective")
             .x_label_formatter(&|x| format!("{x:.0}"))
+            .y_labels(5)
             .y_label_formatter(&|y| short(*y))
             .light_line_style(WHITE)
             .draw()?;
@@ -104,7 +111,12 @@ pub fn marker_histogram(report: &Report) -> String {
         bins
     };
     let (before, after) = (count(&distances.before), count(&distances.after));
-    bars(&before, &after, width, "distance to the surface", "markers")
+    bars(
+        [&before, &after],
+        width,
+        ["distance to the surface", "markers"],
+        SeriesLabelPosition::UpperRight,
+    )
 }
 
 /// [W] Fig. 17: smallest dihedral angle of the tets, before and after.
@@ -113,15 +125,20 @@ pub fn dihedral_histogram(report: &Report) -> String {
     // No tet has a smallest angle above 70.5 degrees.
     let until = 8.min(angles.before.len());
     bars(
-        &angles.before[..until],
-        &angles.after[..until],
+        [&angles.before[..until], &angles.after[..until]],
         10.0,
-        "smallest dihedral angle, degrees",
-        "tets",
+        ["smallest dihedral angle, degrees", "tets"],
+        SeriesLabelPosition::UpperLeft,
     )
 }
 
-fn bars(before: &[usize], after: &[usize], width: f64, x: &str, y: &str) -> String {
+/// Two histograms side by side, with the axes' names and a free corner for the legend.
+fn bars(
+    [before, after]: [&[usize]; 2],
+    width: f64,
+    [x, y]: [&str; 2],
+    legend: SeriesLabelPosition,
+) -> String {
     let highest = before.iter().chain(after).copied().max().unwrap_or(1).max(1) as f64;
     svg(|root| {
         let mut chart = ChartBuilder::on(root)
@@ -152,11 +169,7 @@ fn bars(before: &[usize], after: &[usize], width: f64, x: &str, y: &str) -> Stri
                 Rectangle::new([(x, y - 4), (x + 12, y + 4)], colour.filled())
             });
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.8))
-            .draw()?;
+        chart.configure_series_labels().position(legend).background_style(WHITE.mix(0.8)).draw()?;
         Ok(())
     })
 }

@@ -1,0 +1,200 @@
+//! Jobs from files to files: what is written, what survives, what is said.
+#![allow(clippy::unwrap_used)]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use moulage::job::{Ending, ReshapeJob, check_file, run_reshape};
+use moulage::{Result, Run, io};
+
+/// Files of one test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder =
+            std::env::temp_dir().join(format!("moulage_job_{name}_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.join(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.0.join(name)).unwrap()
+    }
+
+    /// A ball of radius 10, and markers on an ellipsoid of half axes 13, 10 and 9.
+    fn with_ball(name: &str) -> Self {
+        let folder = Self::new(name);
+        let (rings, around) = (12, 20);
+        let point = |ring: usize, step: usize| {
+            let (up, turn) = (ring as f64 / rings as f64, step as f64 / around as f64);
+            let (theta, phi) = (up * std::f64::consts::PI, turn * std::f64::consts::TAU);
+            [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
+        };
+        let mut obj = String::from("# a ball\ng ball\nv 0 0 10\n");
+        let mut markers = String::from("x,y,z\n");
+        for ring in 1..rings {
+            for step in 0..around {
+                let [x, y, z] = point(ring, step);
+                writeln!(obj, "v {:.6} {:.6} {:.6} 0.5 0.5 0.5", 10.0 * x, 10.0 * y, 10.0 * z)
+                    .unwrap();
+                if ring % 2 == 0 && step % 2 == 0 {
+                    writeln!(markers, "{},{},{}", 13.0 * x, 10.0 * y, 9.0 * z).unwrap();
+                }
+            }
+        }
+        obj.push_str("v 0 0 -10\nusemtl skin\n");
+        let id = |ring: usize, step: usize| match ring {
+            0 => 1,
+            _ if ring == rings => 2 + (rings - 1) * around,
+            _ => 2 + (ring - 1) * around + step % around,
+        };
+        for ring in 0..rings {
+            for step in 0..around {
+                let (a, b) = (id(ring, step), id(ring, step + 1));
+                let (c, d) = (id(ring + 1, step + 1), id(ring + 1, step));
+                let face = match ring {
+                    0 => format!("f {a} {d} {c}\n"),
+                    _ if ring + 1 == rings => format!("f {a} {d} {b}\n"),
+                    _ => format!("f {a} {d} {c} {b}\n"),
+                };
+                obj.push_str(&face);
+            }
+        }
+        folder.write("ball.obj", &obj);
+        folder.write("markers.csv", &markers);
+        folder.write("inside.obj", "v 0 0 0\nv 3 0 0\nv 0 3 0\nf 1 2 3\n");
+        folder
+    }
+
+    /// The usual job with the keys of `more`.
+    fn job(&self, more: &str) -> ReshapeJob {
+        let usual = "template = 'ball.obj'\nmarkers = 'markers.csv'\ntolerance = 0.05\n\
+                     tets = 'lattice'\ntet_count = 1500\nout = 'out.obj'\n";
+        let path = self.write("job.toml", usual);
+        let more = ReshapeJob::parse(more, &path).unwrap();
+        ReshapeJob::read(&path).unwrap().overridden_by(more)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_job_writes_all_it_promises_and_keeps_what_is_not_shape() {
+    let folder = Folder::with_ball("all");
+    let more = "carry = 'inside.obj'\ntets_out = 'tets.vtu'\nreport = 'report'\n";
+    let result = run_reshape(&folder.job(more), &Run::new()).unwrap();
+    let report = &result.report;
+    assert_eq!(report.ending, Ending::Good, "{}", report.why);
+    assert_eq!(report.inverted_tets, 0);
+    assert!(report.marker_distance.before.mean > 0.8);
+    assert!(report.marker_distance.after.mean < 0.1, "{:?}", report.marker_distance.after);
+    for path in &report.written {
+        assert!(path.is_file(), "{}", path.display());
+    }
+    let (old, new) = (folder.read("ball.obj"), folder.read("out.obj"));
+    for (old, new) in old.lines().zip(new.lines()) {
+        if old.starts_with("v ") {
+            assert!(old.ends_with(" 0.5 0.5 0.5") == new.ends_with(" 0.5 0.5 0.5"));
+        } else {
+            assert_eq!(old, new);
+        }
+    }
+    assert_eq!(io::read_tets(&folder.0.join("tets.vtu")).unwrap().tets.len(), report.tets);
+    let carried = io::read_surface(&folder.0.join("out_inside.obj")).unwrap().mesh().unwrap();
+    let reach = (carried.points[1] - carried.points[0]).norm();
+    assert!((3.3..4.5).contains(&reach), "the carried mesh stretches along x too: {reach}");
+    let page = folder.read("report/report.html");
+    assert!(page.contains("data:image/png;base64,") && page.contains("<svg"));
+    assert!(!page.contains("no plot") && !page.contains("src=\"http"));
+    let json: serde_json::Value = serde_json::from_str(&folder.read("report/report.json")).unwrap();
+    assert_eq!(json["ending"], "good");
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_bytes() {
+    let folder = Folder::with_ball("threads");
+    let mut texts = Vec::new();
+    for threads in [1, 2] {
+        let result = run_reshape(&folder.job(&format!("threads = {threads}\n")), &Run::new());
+        assert!(result.unwrap().is_good());
+        texts.push(folder.read("out.obj"));
+    }
+    assert_eq!(texts[0], texts[1]);
+}
+
+#[test]
+fn an_interrupted_job_writes_its_best_shape_and_says_so() {
+    let folder = Folder::with_ball("interrupted");
+    let run = Run::new();
+    let watcher = run.clone();
+    let job = folder.job("");
+    let worker = std::thread::spawn(move || run_reshape(&job, &run));
+    while watcher.progress().iteration < 1 && !worker.is_finished() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    watcher.cancel();
+    let report = worker.join().unwrap().unwrap().report;
+    assert_eq!(report.ending, Ending::Interrupted);
+    assert!(folder.0.join("out.obj").is_file());
+}
+
+#[test]
+fn bad_input_is_one_sentence_and_nothing_is_written() {
+    let folder = Folder::with_ball("bad");
+    let fails = |more: &str| -> String {
+        let result: Result<_> = run_reshape(&folder.job(more), &Run::new());
+        result.unwrap_err().to_string()
+    };
+    folder.write("metres.csv", "x,y,z\n0.01,0,0\n0,0.01,0\n0,0,0.01\n-0.01,0,0\n");
+    folder.write("empty.csv", "x,y,z\n");
+    folder.write("one.csv", "x,y,z\n1,2,3\n");
+    folder.write("fixed.csv", "vertex\n5000\n");
+    for (flag, expected) in [
+        ("tets = 'cubes'\n", "tets = 'cubes' is not known"),
+        ("fixed = 'fixed.csv'\n", "fixed.csv, line 2: vertex 5000 is not on the template"),
+        ("attachments = 'inside.obj'\n", "say with attachment_distance"),
+        ("landmarks = ['a.csv', 'b.csv', 'c.csv']\n", "3 landmark files are given"),
+        ("carry = 'missing.obj'\n", "missing.obj: No such file"),
+        ("tets_out = 'a.vtk'\n", "--tets-out"),
+        ("max_iterations = 5\nthreads = 1\npoisson = 0.5\n", "Poisson's ratio"),
+    ] {
+        let message = fails(flag);
+        assert!(message.contains(expected) && !message.contains('\n'), "{message}");
+    }
+    for (markers, expected) in [
+        ("empty.csv", "the file holds no markers"),
+        ("one.csv", "1 markers, 0 landmarks and 0 attachments do not determine a shape"),
+        ("metres.csv", "as with metres beside millimetres"),
+    ] {
+        let mut job = folder.job("");
+        job.markers = Some(vec![folder.0.join(markers)]);
+        let message = run_reshape(&job, &Run::new()).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(!folder.0.join("out.obj").exists());
+}
+
+#[test]
+fn check_says_what_files_are() {
+    let folder = Folder::with_ball("check");
+    folder.job("");
+    let content = |name: &str| check_file(&folder.0.join(name)).unwrap();
+    assert!(content("ball.obj").content.contains("222 vertices and 440 triangles, closed"));
+    assert!(content("markers.csv").content.starts_with("50 markers"));
+    assert!(content("job.toml").content.starts_with("a job: template of 222 vertices, 50 markers"));
+    assert!(content("inside.obj").findings[0].contains("3 edges border a hole"));
+    let error = check_file(Path::new("a.docx")).unwrap_err().to_string();
+    assert!(error.starts_with("a.docx: this kind of file is not known"), "{error}");
+}
