@@ -72,7 +72,7 @@ fn print(report: &Report) {
     match report.ending {
         Ending::Good => println!("{}", report.why),
         Ending::GaveUp => {
-            eprintln!("the solver gave up, what is written is its best shape: {}", report.why)
+            eprintln!("the solver gave up, what is written is its best shape: {}", report.why);
         }
         Ending::Interrupted => {
             eprintln!("interrupted: what is written is the best shape so far");

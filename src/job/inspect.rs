@@ -198,6 +198,7 @@ fn off_line(points: &[Vec3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write;
     use std::path::Path;
 
     use super::*;
@@ -207,7 +208,8 @@ mod tests {
     fn inputs() -> Inputs {
         let mut text = String::new();
         for k in 0..8 {
-            text += &format!("v {} {} {}\n", 10 + k % 2 * 2, 20 + k / 2 % 2 * 3, 30 + k / 4 * 4);
+            let corner = [10 + k % 2 * 2, 20 + k / 2 % 2 * 3, 30 + k / 4 * 4];
+            writeln!(text, "v {} {} {}", corner[0], corner[1], corner[2]).unwrap();
         }
         text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
         let template = parse_surface(text.into_bytes(), Path::new("box.obj")).unwrap();
@@ -315,7 +317,7 @@ mod tests {
         assert_eq!(
             warnings(|i| {
                 on_line(i);
-                i.fixed.push(7)
+                i.fixed.push(7);
             }),
             ""
         );

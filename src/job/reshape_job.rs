@@ -122,17 +122,21 @@ fn problem(inputs: &Inputs, filling: &Filling) -> Problem {
 }
 
 fn options(job: &ReshapeJob) -> Options {
-    let defaults = Options::default();
-    Options {
-        tolerance: job.tolerance,
-        landmark_tolerance: job.landmark_tolerance,
-        attachment_tolerance: job.attachment_tolerance,
-        hard_attachments: job.hard_attachments.unwrap_or(defaults.hard_attachments),
-        smoothness: job.smoothness.unwrap_or(defaults.smoothness),
-        screening: job.screening.unwrap_or(defaults.screening),
-        poisson: job.poisson.unwrap_or(defaults.poisson),
-        max_iterations: job.max_iterations.unwrap_or(defaults.max_iterations),
-        ..defaults
+    let mut options = Options::default();
+    set(&mut options.hard_attachments, job.hard_attachments);
+    set(&mut options.smoothness, job.smoothness);
+    set(&mut options.screening, job.screening);
+    set(&mut options.poisson, job.poisson);
+    set(&mut options.max_iterations, job.max_iterations);
+    options.tolerance = job.tolerance;
+    options.landmark_tolerance = job.landmark_tolerance;
+    options.attachment_tolerance = job.attachment_tolerance;
+    options
+}
+
+fn set<T>(option: &mut T, wish: Option<T>) {
+    if let Some(wish) = wish {
+        *option = wish;
     }
 }
 
