@@ -97,7 +97,7 @@ fn bone_motion(pairs: &[AttachmentPair], basis: &[(usize, Vec3)]) -> Result<Rigi
     best_rigid(&from, &to, None)
 }
 
-/// [W] 4.1.2: every bone vertex near the template is linked to the template's point nearest to it.
+/// \[W\] 4.1.2: every bone vertex near the template is linked to the template's point nearest to it.
 /// The gap is kept: the nearest point goes where the bone vertex goes, plus the gap.
 fn from_bone(
     bone: &Path,

@@ -78,7 +78,7 @@ pub(super) fn write(
     Ok(written)
 }
 
-/// [W] 4.3: other meshes follow the tets they lie in; points outside follow the nearest tet.
+/// \[W\] 4.3: other meshes follow the tets they lie in; points outside follow the nearest tet.
 fn write_carried(
     out: &Path,
     inputs: &Inputs,
@@ -97,7 +97,7 @@ fn write_carried(
     Ok(written)
 }
 
-/// The deformed tets; plastic strain and its principal stretches per tet ([W] Fig. 1 d, e).
+/// The deformed tets; plastic strain and its principal stretches per tet (\[W\] Fig. 1 d, e).
 fn write_tets(path: &Path, filling: &Filling, outcome: &Outcome) -> Result<()> {
     let reshaped = &outcome.reshaped;
     let strains = plastic_strains(&filling.mesh, &reshaped.strain);

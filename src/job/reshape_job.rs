@@ -39,8 +39,8 @@ pub fn run_reshape(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
 fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     let mut clock = Clock::new();
     run.enter("reading", 0.0);
-    output::check_places(job)?;
     let mut inputs = Inputs::read(job)?;
+    output::check_places(job)?;
     let align = job.align.unwrap_or_default();
     let suspicions = inspect(&inputs, align)?;
     inputs.warnings.extend(suspicions);

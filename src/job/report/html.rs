@@ -26,7 +26,8 @@ figcaption{color:#555;font-size:.9rem}img,svg{max-width:100%;height:auto}.good{c
 /// The page.
 pub fn page(report: &Report, shapes: &Shapes) -> String {
     let mut page = String::new();
-    let name = escape(&report.template.display().to_string());
+    let name = report.template.file_name().unwrap_or(report.template.as_os_str());
+    let name = escape(&name.to_string_lossy());
     let (class, ending) = match report.ending {
         Ending::Good => ("good", "Done"),
         Ending::GaveUp => ("bad", "The solver gave up; this is its best shape"),
@@ -74,7 +75,7 @@ fn warnings(list: &[String]) -> String {
     format!("<ul class=\"w\">{items}</ul>\n")
 }
 
-/// The figures of [W] Table 2, and some more.
+/// The figures of \[W\] Table 2, and some more.
 fn figures(report: &Report) -> String {
     let mut rows = String::new();
     let mut row = |name: &str, value: String| {
@@ -90,6 +91,7 @@ fn figures(report: &Report) -> String {
         )
     };
     row("Marker distance, mean / largest", change(&report.marker_distance));
+    row("Template", report.template.display().to_string());
     row("Markers", report.markers.to_string());
     if report.fixed > 0 {
         row("Fixed vertices", report.fixed.to_string());
@@ -196,15 +198,30 @@ fn figure(content: &str, caption: &str) -> String {
     format!("<figure>{content}<figcaption>{caption}</figcaption></figure>\n")
 }
 
-/// Three significant digits or more.
+/// Three significant digits, three decimals from 1 on.
 fn number(value: f64) -> String {
     match value.abs() {
-        v if v == 0.0 || v >= 0.1 => format!("{value:.3}"),
-        v if v >= 1e-4 => format!("{value:.6}"),
-        _ => format!("{value:.3e}"),
+        v if v == 0.0 || v >= 1.0 => format!("{value:.3}"),
+        v if v >= 1e-4 => {
+            let decimals = (2.0 - v.log10().floor()) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => format!("{value:.2e}"),
     }
 }
 
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_three_digits() {
+        let written: Vec<String> = [0.0, 12.3456, 0.080_48, 0.001_234_5, 1.2e-7].map(number).into();
+        assert_eq!(written, ["0.000", "12.346", "0.0805", "0.00123", "1.20e-7"]);
+        assert_eq!(escape("a<b&c"), "a&lt;b&amp;c");
+    }
 }

@@ -86,7 +86,7 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// Vertices of the template.
     pub vertices: usize,
-    /// Vertices of the tet mesh (#vtx of [W] Table 2).
+    /// Vertices of the tet mesh (#vtx of \[W\] Table 2).
     pub tet_vertices: usize,
     /// Tets (#ele).
     pub tets: usize,

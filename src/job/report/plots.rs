@@ -16,7 +16,7 @@ const LARGEST: RGBColor = RGBColor(200, 90, 30);
 /// What a plot gives up with; never seen by users, since nothing here can fail in memory.
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
-/// [W] Fig. 9: marker distances over the iterations, logarithmic.
+/// \[W\] Fig. 9: marker distances over the iterations, logarithmic.
 pub fn convergence(report: &Report) -> String {
     let iterations = &report.iterations;
     let positive = |value: f64| value.max(1e-12);
@@ -67,7 +67,7 @@ pub fn convergence(report: &Report) -> String {
     })
 }
 
-/// [W] Fig. 9 too: the objective over the iterations, logarithmic. While the weight of the markers
+/// \[W\] Fig. 9 too: the objective over the iterations, logarithmic. While the weight of the markers
 /// grows, the objective grows with it.
 pub fn objective(report: &Report) -> String {
     let values: Vec<f64> = report.iterations.iter().map(|i| i.objective.max(1e-12)).collect();
@@ -96,7 +96,7 @@ pub fn objective(report: &Report) -> String {
     })
 }
 
-/// [W] Fig. 16: how many markers are how far off, before and after. The last bin holds all beyond.
+/// \[W\] Fig. 16: how many markers are how far off, before and after. The last bin holds all beyond.
 pub fn marker_histogram(report: &Report) -> String {
     let distances = &report.marker_distances;
     let mut sorted = distances.before.clone();
@@ -119,7 +119,7 @@ pub fn marker_histogram(report: &Report) -> String {
     )
 }
 
-/// [W] Fig. 17: smallest dihedral angle of the tets, before and after.
+/// \[W\] Fig. 17: smallest dihedral angle of the tets, before and after.
 pub fn dihedral_histogram(report: &Report) -> String {
     let angles = &report.min_dihedral_histogram;
     // No tet has a smallest angle above 70.5 degrees.
