@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use moulage::job::{Ending, ReshapeJob, check_file, run_reshape};
+use moulage::job::{Ending, Inputs, ReshapeJob, check_file, run_reshape};
 use moulage::{Result, Run, io};
 
 /// Files of one test, removed at its end.
@@ -123,6 +123,52 @@ fn a_job_writes_all_it_promises_and_keeps_what_is_not_shape() {
 }
 
 #[test]
+fn a_template_that_lies_elsewhere_is_brought_there_first() {
+    let folder = Folder::with_ball("elsewhere");
+    let shifted: String = folder.read("markers.csv").replace("x,y,z", "y,z,x");
+    folder.write("turned.csv", &shifted);
+    let mut job = folder.job("align = 'rigid'\n");
+    job.markers = Some(vec![folder.0.join("turned.csv")]);
+    job.template = Some(folder.write("far.obj", &moved_far(&folder.read("ball.obj"))));
+    let report = run_reshape(&job, &Run::new()).unwrap().report;
+    assert!(report.marker_distance.before.mean < 1.5, "{:?}", report.marker_distance);
+    assert!(report.marker_distance.after.mean < 0.1, "{:?}", report.marker_distance);
+    job.align = None;
+    job.max_iterations = Some(1);
+    let warnings = run_reshape(&job, &Run::new()).unwrap().report.warnings;
+    assert!(warnings.iter().any(|w| w.contains("more than half its size")), "{warnings:?}");
+}
+
+/// The same OBJ text 40 to the right.
+fn moved_far(obj: &str) -> String {
+    let shift = |line: &str| match line.strip_prefix("v ").and_then(|rest| rest.split_once(' ')) {
+        Some((x, rest)) => format!("v {} {rest}", x.parse::<f64>().unwrap() + 40.0),
+        None => line.to_owned(),
+    };
+    obj.lines().map(shift).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn bones_near_the_template_become_attachments_that_keep_their_gap() {
+    let folder = Folder::with_ball("bones");
+    folder.write("bone.obj", "v 11 0 0\nv 0 11 0\nv 0 0 11\nv 30 0 0\nf 1 2 3\nf 1 2 4\n");
+    folder.write("moved.obj", "v 16 0 0\nv 5 11 0\nv 5 0 11\nv 35 0 0\nf 1 2 3\nf 1 2 4\n");
+    let job = folder.job(
+        "attachments = 'bone.obj'\nattachment_targets = 'moved.obj'\nattachment_distance = 2\n",
+    );
+    let attachments = Inputs::read(&job).unwrap().attachments;
+    assert_eq!(attachments.len(), 3);
+    for attachment in &attachments {
+        assert!((attachment.position.norm() - 10.0).abs() < 0.2);
+        let shift = attachment.target - attachment.position;
+        assert!((shift.x - 5.0).abs() < 1e-9 && shift.yz().norm() < 1e-9, "{shift}");
+    }
+    let job = folder.job("attachments = 'bone.obj'\nattachment_distance = 0.001\n");
+    let error = Inputs::read(&job).unwrap_err().to_string();
+    assert!(error.contains("no vertex of ") && error.contains("within 0.001"), "{error}");
+}
+
+#[test]
 fn one_and_two_threads_give_the_same_bytes() {
     let folder = Folder::with_ball("threads");
     let mut texts = Vec::new();
@@ -168,6 +214,7 @@ fn bad_input_is_one_sentence_and_nothing_is_written() {
         ("landmarks = ['a.csv', 'b.csv', 'c.csv']\n", "3 landmark files are given"),
         ("carry = 'missing.obj'\n", "missing.obj: No such file"),
         ("tets_out = 'a.vtk'\n", "--tets-out"),
+        ("report = 'ball.obj/report'\n", "cannot write"),
         ("max_iterations = 5\nthreads = 1\npoisson = 0.5\n", "Poisson's ratio"),
     ] {
         let message = fails(flag);

@@ -54,4 +54,4 @@ pub use tets::read_tets;
 pub use veg::parse_veg;
 pub use vtu_read::parse_vtu;
 pub use vtu_write::{DataArray, write_vtu};
-pub use write::{read_bytes, write_beside};
+pub use write::{check_writable, read_bytes, write_beside};

@@ -30,6 +30,22 @@ pub fn write_beside(
     })
 }
 
+/// Whether a file can be written at `path`, found out before a long computation: the folder, or the
+/// nearest one above it that exists, must take a new file.
+pub fn check_writable(path: &Path) -> Result<()> {
+    let mut folder = path.parent();
+    while let Some(missing) = folder.filter(|f| !f.as_os_str().is_empty() && !f.exists()) {
+        folder = missing.parent();
+    }
+    let probe = beside(&folder.unwrap_or(Path::new("")).join(path.file_name().unwrap_or_default()));
+    let made = if path.is_dir() {
+        Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"))
+    } else {
+        File::create(&probe).and_then(|_| fs::remove_file(&probe))
+    };
+    made.map_err(|e| Error::io("write", path, e))
+}
+
 /// A name in the same folder (renaming works only within one file system), one per process.
 fn beside(path: &Path) -> PathBuf {
     let mut name = OsString::from(".");
@@ -60,6 +76,13 @@ mod tests {
         .unwrap_err();
         assert!(error.to_string().ends_with("b.txt: the disk is full"), "{error}");
         assert_eq!(read_bytes(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.join("a")).unwrap().count(), 1);
+        check_writable(&path).unwrap();
+        check_writable(&folder.join("new/folder/c.txt")).unwrap();
+        let error = check_writable(&folder.join("a")).unwrap_err().to_string();
+        assert!(error.ends_with("it is a folder"), "{error}");
+        let error = check_writable(&path.join("d.txt")).unwrap_err().to_string();
+        assert!(error.starts_with("cannot write "), "{error}");
         assert_eq!(fs::read_dir(folder.join("a")).unwrap().count(), 1);
         fs::remove_dir_all(folder).unwrap();
     }

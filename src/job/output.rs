@@ -8,7 +8,7 @@ use super::measure::{distance_to_markers, plastic_strains, principal_stretches};
 use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
-use crate::io::{DataArray, write_ply, write_vtu};
+use crate::io::{DataArray, check_writable, write_ply, write_vtu};
 use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TriMesh};
 
@@ -35,6 +35,10 @@ pub(super) fn check_places(job: &ReshapeJob) -> Result<()> {
                 extensions.join(" or .")
             )));
         }
+        check_writable(path)?;
+    }
+    if let Some(folder) = &job.report {
+        check_writable(&folder.join("report.json"))?;
     }
     if job.carry.as_ref().is_some_and(|list| !list.is_empty()) && job.out.is_none() {
         return Err(Error::invalid(
