@@ -1,1 +1,28 @@
-//! The C ABI.
+//! The C ABI. `include/moulage.h` is made from these files and is the manual for C callers.
+//!
+//! Safety, once for all functions: the caller promises what the header says about each pointer
+//! (element counts, NULL rules, UTF-8). Handles are tickets, not addresses ([`handles`]): nothing is
+//! read through them, so a stale, foreign or freed one is refused. Every function runs inside
+//! [`boundary::guard`], so that no panic crosses into C.
+#![allow(unsafe_code)]
+#![allow(clippy::missing_safety_doc)]
+
+mod boundary;
+mod buffers;
+mod handles;
+mod markers;
+mod mesh;
+mod reshaping;
+mod result;
+mod run;
+mod tetrahedralization;
+mod version;
+
+pub use boundary::*;
+pub use markers::*;
+pub use mesh::*;
+pub use reshaping::*;
+pub use result::*;
+pub use run::*;
+pub use tetrahedralization::*;
+pub use version::*;

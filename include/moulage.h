@@ -1,0 +1,832 @@
+/**
+ * moulage puts a template of an organ, bone or skeleton into one person's shape.
+ *
+ * Functions return a status and write their outputs only on success; details of a failure go to the
+ * caller's MlgError, which may be NULL. Handles come from _new, _load, _run or _start and are freed
+ * once by _free. A handle is a ticket, not an address: one that was freed, or is of another type, is
+ * refused with MLG_STATUS_INVALID_ARGUMENT.
+ * Arrays given are copied; arrays returned are borrowed until their handle is freed. Points are
+ * packed x, y, z. Strings and paths are UTF-8.
+ * Functions may be called from any thread; the library has no thread of its own but for runs.
+ *
+ * Made from src/capi by cbindgen; do not edit.
+ */
+
+
+#ifndef MOULAGE_H
+#define MOULAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * Raised whenever a program built against an older header would break.
+ */
+#define MLG_ABI_VERSION 1
+
+/**
+ * First number of the library's version.
+ */
+#define MLG_VERSION_MAJOR 0
+
+/**
+ * Second number of the library's version.
+ */
+#define MLG_VERSION_MINOR 1
+
+/**
+ * Third number of the library's version.
+ */
+#define MLG_VERSION_PATCH 0
+
+/**
+ * Bytes of `MlgError.message`, the ending zero included.
+ */
+#define MLG_ERROR_MESSAGE_SIZE 512
+
+/**
+ * TetGen where it is found and can fill the surface, else the lattice.
+ */
+#define MLG_TETS_AUTO 0
+
+/**
+ * The program TetGen, or an error.
+ */
+#define MLG_TETS_TETGEN 1
+
+/**
+ * The built-in lattice: takes open, self-intersecting and non-manifold surfaces as well.
+ */
+#define MLG_TETS_LATTICE 2
+
+/**
+ * (Only as an answer.) The tets were given by the caller.
+ */
+#define MLG_TETS_GIVEN 3
+
+/**
+ * Still at work.
+ */
+#define MLG_RUN_RUNNING 0
+
+/**
+ * Ended; `mlg_run_wait_reshaping` returns at once.
+ */
+#define MLG_RUN_ENDED 1
+
+/**
+ * Bytes of `MlgProgress.stage`, the ending zero included.
+ */
+#define MLG_STAGE_SIZE 64
+
+/**
+ * How a call ended. Numbers are never reused.
+ */
+typedef enum {
+  /**
+   * All went well; outputs are written.
+   */
+  MLG_STATUS_OK = 0,
+  /**
+   * Stopped on request before there was a result.
+   */
+  MLG_STATUS_CANCELLED = 1,
+  /**
+   * A pointer that must not be NULL is NULL.
+   */
+  MLG_STATUS_NULL_ARGUMENT = 2,
+  /**
+   * A value is wrong: the message names it. Also for handles that were freed or are of another
+   * type.
+   */
+  MLG_STATUS_INVALID_ARGUMENT = 3,
+  /**
+   * A valid wish that this version cannot fulfil, or a program that is not installed.
+   */
+  MLG_STATUS_UNSUPPORTED = 4,
+  /**
+   * A file could not be read or written.
+   */
+  MLG_STATUS_IO = 5,
+  /**
+   * A file does not hold what its format asks for.
+   */
+  MLG_STATUS_PARSE = 6,
+  /**
+   * A linear system has no unique solution.
+   */
+  MLG_STATUS_SINGULAR = 7,
+  /**
+   * The solver found no way on and there is no result.
+   */
+  MLG_STATUS_DIVERGED = 8,
+  /**
+   * A fault in the library; the message says where. Free all handles and report it.
+   */
+  MLG_STATUS_PANIC = 9,
+  /**
+   * A program started by the library failed.
+   */
+  MLG_STATUS_EXTERNAL_PROGRAM = 10,
+} MlgStatus;
+
+/**
+ * Why a reshaping ended. Reaching a limit is no error: the result is there.
+ */
+typedef enum {
+  /**
+   * The objective no longer falls by a relevant amount.
+   */
+  MLG_STOP_SETTLED = 0,
+  /**
+   * All markers are within the tolerance.
+   */
+  MLG_STOP_TOLERANCE_MET = 1,
+  /**
+   * No step lowers the objective although it should.
+   */
+  MLG_STOP_NO_STEP = 2,
+  /**
+   * The iterations ran out.
+   */
+  MLG_STOP_ITERATION_LIMIT = 3,
+  /**
+   * The caller asked to stop.
+   */
+  MLG_STOP_CANCELLED = 4,
+} MlgStop;
+
+/**
+ * Points that somebody marked, read from a file. Immutable; may be read from many threads.
+ */
+typedef struct MlgMarkers MlgMarkers;
+
+/**
+ * A template and the data it is to follow. May be used by one thread at a time.
+ */
+typedef struct MlgReshaping MlgReshaping;
+
+/**
+ * A reshaped template. Immutable; may be read from many threads.
+ */
+typedef struct MlgReshapingResult MlgReshapingResult;
+
+/**
+ * A computation on a thread of its own. May be polled and cancelled from any thread.
+ */
+typedef struct MlgRun MlgRun;
+
+/**
+ * A tet mesh. Immutable; may be read from many threads.
+ */
+typedef struct MlgTetMesh MlgTetMesh;
+
+/**
+ * Tets that carry a surface. Immutable; may be read from many threads.
+ */
+typedef struct MlgTetrahedralization MlgTetrahedralization;
+
+/**
+ * A triangle surface. Immutable; may be read from many threads.
+ */
+typedef struct MlgTriMesh MlgTriMesh;
+
+/**
+ * What went wrong. Owned by the caller; written by a call only when it fails.
+ */
+typedef struct {
+  /**
+   * The status the call returned.
+   */
+  MlgStatus status;
+  /**
+   * One sentence for the user: UTF-8, zero-terminated, cut to fit.
+   */
+  char message[MLG_ERROR_MESSAGE_SIZE];
+} MlgError;
+
+/**
+ * How to make tets. Set with `mlg_tetrahedralization_options_init`.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * `MLG_TETS_AUTO` (default), `MLG_TETS_TETGEN` or `MLG_TETS_LATTICE`.
+   */
+  uint32_t method;
+  /**
+   * About how many tets, 24 to 10 million. Default 15000.
+   */
+  uint32_t tet_count;
+  /**
+   * Path of the program TetGen, UTF-8; NULL: the environment variable MOULAGE_TETGEN, else the
+   * search path. Read during the call only.
+   */
+  const char *tetgen_path;
+} MlgTetrahedralizationOptions;
+
+/**
+ * Shapes of tets. Volumes in the mesh's own unit, angles in degrees.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Number of tets.
+   */
+  uint32_t tet_count;
+  /**
+   * Tets of no or negative volume.
+   */
+  uint32_t inverted_count;
+  /**
+   * Sum of the signed volumes.
+   */
+  double volume;
+  /**
+   * Smallest dihedral angle.
+   */
+  double min_dihedral;
+  /**
+   * Largest dihedral angle.
+   */
+  double max_dihedral;
+  /**
+   * Smallest radius ratio (3 inner / outer sphere): 1 for regular tets, 0 for flat ones.
+   */
+  double min_radius_ratio;
+  /**
+   * Mean radius ratio.
+   */
+  double mean_radius_ratio;
+  /**
+   * Number of dihedral angles in each 10 degrees from 0 to 180.
+   */
+  uint32_t dihedral_histogram[18];
+} MlgTetQuality;
+
+/**
+ * How to reshape. Set with `mlg_reshaping_options_init`. Lengths are in the template's unit; 0
+ * takes a default relative to the template's size.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * How far a marker may be off. 0 (default): the template's diagonal / 1000.
+   */
+  double tolerance;
+  /**
+   * How far a landmark may be off. 0 (default): `tolerance`.
+   */
+  double landmark_tolerance;
+  /**
+   * How far an attachment may be off. 0 (default): `tolerance`.
+   */
+  double attachment_tolerance;
+  /**
+   * Weight of the smoothness of the plastic strain, without unit.
+   */
+  double smoothness;
+  /**
+   * Distance over which the strain returns to its mean away from data, as a multiple of the cube
+   * root of the template's volume; INFINITY: never.
+   */
+  double screening;
+  /**
+   * Poisson's ratio of the tissue, above 0 and below 0.5.
+   */
+  double poisson;
+  /**
+   * 1: attachments are met whatever the markers say. 0 (default): they are weighed.
+   */
+  uint32_t hard_attachments;
+  /**
+   * Gauss-Newton iterations allowed.
+   */
+  uint32_t max_iterations;
+  /**
+   * Threads to use; 0 (default): all. The result does not depend on it.
+   */
+  uint32_t thread_count;
+  /**
+   * Leave at 0.
+   */
+  uint32_t reserved;
+} MlgReshapingOptions;
+
+/**
+ * Where a run stands. Lengths are in the template's unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`.
+   */
+  uint32_t state;
+  /**
+   * Iterations of the outer loop so far.
+   */
+  uint32_t iteration;
+  /**
+   * Share of the work done, 0 to 1, never falling.
+   */
+  double fraction;
+  /**
+   * Latest value of the objective.
+   */
+  double energy;
+  /**
+   * Mean distance of the markers to the shape; NaN while unknown.
+   */
+  double mean_error;
+  /**
+   * Largest distance of a marker to the shape; NaN while unknown.
+   */
+  double max_error;
+  /**
+   * Seconds since the start.
+   */
+  double seconds;
+  /**
+   * What is being done: UTF-8, zero-terminated.
+   */
+  char stage[MLG_STAGE_SIZE];
+} MlgProgress;
+
+/**
+ * The course of a reshaping. Lengths are in the template's unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Why it ended: a number of `MlgStop`.
+   */
+  uint32_t stop;
+  /**
+   * Gauss-Newton iterations.
+   */
+  uint32_t iterations;
+  /**
+   * Newton steps of all static solves.
+   */
+  uint32_t newton_steps;
+  /**
+   * Tets of no or negative volume in the result.
+   */
+  uint32_t inverted_tets;
+  /**
+   * Mean distance of the markers to the result; NaN without markers.
+   */
+  double mean_marker_distance;
+  /**
+   * Largest distance of a marker to the result; NaN without markers.
+   */
+  double max_marker_distance;
+  /**
+   * Seconds it took.
+   */
+  double seconds;
+} MlgReshapingSummary;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The library's `MLG_ABI_VERSION`. Compare it with the header's when loading the library at run
+ * time, and refuse to go on if they differ.
+ */
+uint32_t mlg_abi_version(void);
+
+/**
+ * The library's version, e.g. "0.1.0". Static, never NULL.
+ */
+const char *mlg_version_string(void);
+
+/**
+ * The name of a status, e.g. "INVALID_ARGUMENT"; "UNKNOWN" for other numbers. Static, never NULL.
+ */
+const char *mlg_status_name(uint32_t status);
+
+/**
+ * Makes a surface from arrays, which are copied.
+ *
+ * `points`: `3 * point_count` coordinates (x, y, z of each), finite, in any unit.
+ * `triangles`: `3 * triangle_count` vertex indices from 0, counter-clockwise seen from outside.
+ * Neither may be NULL unless its count is 0. Free with `mlg_tri_mesh_free`.
+ */
+MlgStatus mlg_tri_mesh_new(const double *points,
+                           size_t point_count,
+                           const uint32_t *triangles,
+                           size_t triangle_count,
+                           MlgTriMesh **out_mesh,
+                           MlgError *error);
+
+/**
+ * Reads a surface from a `.obj`, `.ply` or `.stl` file. `path`: UTF-8. Free with
+ * `mlg_tri_mesh_free`.
+ */
+MlgStatus mlg_tri_mesh_load(const char *path, MlgTriMesh **out_mesh, MlgError *error);
+
+/**
+ * Writes a surface with moved points to a `.obj`, `.ply` or `.stl` file. Where the mesh was loaded
+ * from a file of that format, all but points and normals stays as it was: texture coordinates,
+ * groups, materials.
+ *
+ * `points`: `3 * point_count` coordinates, or NULL for the mesh's own; `point_count` must be that
+ * of the mesh (ignored for NULL).
+ */
+MlgStatus mlg_tri_mesh_save(const MlgTriMesh *mesh,
+                            const double *points,
+                            size_t point_count,
+                            const char *path,
+                            MlgError *error);
+
+/**
+ * The points: `3 * *out_count` coordinates, borrowed until the mesh is freed. NULL for a mesh
+ * without points or a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_tri_mesh_points(const MlgTriMesh *mesh, size_t *out_count);
+
+/**
+ * The triangles: `3 * *out_count` vertex indices, borrowed until the mesh is freed. NULL for a
+ * mesh without triangles or a handle that is not valid. `out_count`: may be NULL.
+ */
+const uint32_t *mlg_tri_mesh_triangles(const MlgTriMesh *mesh, size_t *out_count);
+
+/**
+ * Looks for holes, crowded and flipped edges, empty triangles, double and unused vertices, and
+ * writes what it finds, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
+ * `capacity` bytes. An empty text means a clean, closed surface. `buffer` may be NULL if
+ * `capacity` is 0. `out_length`: bytes of the whole text without the zero; may be NULL.
+ */
+MlgStatus mlg_tri_mesh_check(const MlgTriMesh *mesh,
+                             char *buffer,
+                             size_t capacity,
+                             size_t *out_length,
+                             MlgError *error);
+
+/**
+ * Frees a surface. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_tri_mesh_free(MlgTriMesh *mesh);
+
+/**
+ * Makes a tet mesh from arrays, which are copied. Tets of negative volume are turned around.
+ *
+ * `points`: `3 * point_count` coordinates, finite. `tets`: `4 * tet_count` vertex indices from 0.
+ * Neither may be NULL unless its count is 0. Free with `mlg_tet_mesh_free`.
+ */
+MlgStatus mlg_tet_mesh_new(const double *points,
+                           size_t point_count,
+                           const uint32_t *tets,
+                           size_t tet_count,
+                           MlgTetMesh **out_mesh,
+                           MlgError *error);
+
+/**
+ * Reads a tet mesh from a TetGen `.node` or `.ele`, `.vtu`, VegaFEM `.veg` or Gmsh `.msh` file.
+ * `path`: UTF-8. Free with `mlg_tet_mesh_free`.
+ */
+MlgStatus mlg_tet_mesh_load(const char *path, MlgTetMesh **out_mesh, MlgError *error);
+
+/**
+ * Writes a tet mesh as `.vtu` (VTK, for ParaView). `path`: UTF-8.
+ */
+MlgStatus mlg_tet_mesh_save(const MlgTetMesh *mesh, const char *path, MlgError *error);
+
+/**
+ * The points: `3 * *out_count` coordinates, borrowed until the mesh is freed. NULL for a mesh
+ * without points or a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_tet_mesh_points(const MlgTetMesh *mesh, size_t *out_count);
+
+/**
+ * The tets: `4 * *out_count` vertex indices, borrowed until the mesh is freed. NULL for a mesh
+ * without tets or a handle that is not valid. `out_count`: may be NULL.
+ */
+const uint32_t *mlg_tet_mesh_tets(const MlgTetMesh *mesh, size_t *out_count);
+
+/**
+ * Frees a tet mesh. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_tet_mesh_free(MlgTetMesh *mesh);
+
+/**
+ * Reads markers from `.csv`, `.txt`, `.xyz`, `.ply`, 3D Slicer `.mrk.json` and `.fcsv` (turned
+ * into RAS) or MeshLab `.pp`. `path`: UTF-8. Free with `mlg_markers_free`.
+ */
+MlgStatus mlg_markers_load(const char *path, MlgMarkers **out_markers, MlgError *error);
+
+/**
+ * The positions: `3 * *out_count` coordinates, borrowed until the markers are freed. NULL for a
+ * handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_markers_points(const MlgMarkers *markers, size_t *out_count);
+
+/**
+ * The weights: `*out_count` numbers, 1 where the file gives none, borrowed until the markers are
+ * freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_markers_weights(const MlgMarkers *markers, size_t *out_count);
+
+/**
+ * Frees markers. NULL and handles freed already are allowed.
+ */
+void mlg_markers_free(MlgMarkers *markers);
+
+/**
+ * Writes the defaults. `struct_size`: `sizeof *out_options`.
+ */
+MlgStatus mlg_tetrahedralization_options_init(MlgTetrahedralizationOptions *out_options,
+                                              size_t struct_size);
+
+/**
+ * Fills a surface with tets; takes a second or so. `options`: NULL for the defaults. Free with
+ * `mlg_tetrahedralization_free`.
+ */
+MlgStatus mlg_tetrahedralization_run(const MlgTriMesh *surface,
+                                     const MlgTetrahedralizationOptions *options,
+                                     MlgTetrahedralization **out_tets,
+                                     MlgError *error);
+
+/**
+ * Takes tets made elsewhere; each vertex of the surface is carried by the tet that holds it, or
+ * the nearest one. Free with `mlg_tetrahedralization_free`.
+ */
+MlgStatus mlg_tetrahedralization_from_tets(const MlgTriMesh *surface,
+                                           const MlgTetMesh *tets,
+                                           MlgTetrahedralization **out_tets,
+                                           MlgError *error);
+
+/**
+ * The tets' points: `3 * *out_count` coordinates, borrowed until the object is freed. NULL for a
+ * handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_tetrahedralization_points(const MlgTetrahedralization *tets, size_t *out_count);
+
+/**
+ * The tets: `4 * *out_count` vertex indices, borrowed until the object is freed. NULL for a handle
+ * that is not valid. `out_count`: may be NULL.
+ */
+const uint32_t *mlg_tetrahedralization_tets(const MlgTetrahedralization *tets, size_t *out_count);
+
+/**
+ * The share of each tet that is inside the surface, 0 to 1: `*out_count` numbers, one per tet,
+ * borrowed until the object is freed. NULL for a handle that is not valid. `out_count`: may be
+ * NULL.
+ */
+const double *mlg_tetrahedralization_inside_fractions(const MlgTetrahedralization *tets,
+                                                      size_t *out_count);
+
+/**
+ * What made the tets: `MLG_TETS_TETGEN`, `MLG_TETS_LATTICE` or `MLG_TETS_GIVEN`; UINT32_MAX for a
+ * handle that is not valid.
+ */
+uint32_t mlg_tetrahedralization_method(const MlgTetrahedralization *tets);
+
+/**
+ * 1 if the surface's own triangles are the boundary of the tets, else 0.
+ */
+uint32_t mlg_tetrahedralization_boundary_kept(const MlgTetrahedralization *tets);
+
+/**
+ * Number of warnings.
+ */
+size_t mlg_tetrahedralization_warning_count(const MlgTetrahedralization *tets);
+
+/**
+ * One warning: a sentence in UTF-8, borrowed until the object is freed. NULL if `index` is not
+ * below the count.
+ */
+const char *mlg_tetrahedralization_warning(const MlgTetrahedralization *tets, size_t index);
+
+/**
+ * Measures the tets. `out_quality`: its `struct_size` must be set.
+ */
+MlgStatus mlg_tetrahedralization_quality(const MlgTetrahedralization *tets,
+                                         MlgTetQuality *out_quality,
+                                         MlgError *error);
+
+/**
+ * Frees tets. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_tetrahedralization_free(MlgTetrahedralization *tets);
+
+/**
+ * Writes the defaults. `struct_size`: `sizeof *out_options`.
+ */
+MlgStatus mlg_reshaping_options_init(MlgReshapingOptions *out_options, size_t struct_size);
+
+/**
+ * Makes a problem of a carried template, without data yet. Free with `mlg_reshaping_free`.
+ */
+MlgStatus mlg_reshaping_new(const MlgTetrahedralization *template_tets,
+                            MlgReshaping **out_problem,
+                            MlgError *error);
+
+/**
+ * Sets the markers: points of the person's surface, without correspondence. Replaces earlier ones.
+ *
+ * `points`: `3 * count` coordinates, finite, in the template's unit and frame. `weights`: `count`
+ * numbers, 0 or more, or NULL for 1 throughout.
+ */
+MlgStatus mlg_reshaping_set_markers(MlgReshaping *problem,
+                                    const double *points,
+                                    const double *weights,
+                                    size_t count,
+                                    MlgError *error);
+
+/**
+ * Sets the landmarks: template points with known targets. Replaces earlier ones.
+ *
+ * `template_points` and `targets`: `3 * count` coordinates each, finite; the template points lie
+ * on or in the template at rest. `weights`: `count` numbers, 0 or more, or NULL for 1 throughout.
+ */
+MlgStatus mlg_reshaping_set_landmarks(MlgReshaping *problem,
+                                      const double *template_points,
+                                      const double *targets,
+                                      const double *weights,
+                                      size_t count,
+                                      MlgError *error);
+
+/**
+ * Like `mlg_reshaping_set_landmarks`, the template points being vertices of the surface:
+ * `template_vertices` holds `count` indices from 0.
+ */
+MlgStatus mlg_reshaping_set_landmarks_at_vertices(MlgReshaping *problem,
+                                                  const uint32_t *template_vertices,
+                                                  const double *targets,
+                                                  const double *weights,
+                                                  size_t count,
+                                                  MlgError *error);
+
+/**
+ * Sets the attachments: template points that are held at their targets mechanically, such as the
+ * places where a muscle grows on a bone. Replaces earlier ones. Arrays as for
+ * `mlg_reshaping_set_landmarks`.
+ */
+MlgStatus mlg_reshaping_set_attachments(MlgReshaping *problem,
+                                        const double *template_points,
+                                        const double *targets,
+                                        const double *weights,
+                                        size_t count,
+                                        MlgError *error);
+
+/**
+ * Like `mlg_reshaping_set_attachments`, the template points being vertices of the surface:
+ * `template_vertices` holds `count` indices from 0.
+ */
+MlgStatus mlg_reshaping_set_attachments_at_vertices(MlgReshaping *problem,
+                                                    const uint32_t *template_vertices,
+                                                    const double *targets,
+                                                    const double *weights,
+                                                    size_t count,
+                                                    MlgError *error);
+
+/**
+ * Sets the vertices of the surface that stay where they are. Replaces earlier ones. `vertices`:
+ * `count` indices from 0.
+ */
+MlgStatus mlg_reshaping_set_fixed(MlgReshaping *problem,
+                                  const uint32_t *vertices,
+                                  size_t count,
+                                  MlgError *error);
+
+/**
+ * Frees a problem. NULL and handles freed already are allowed. Runs started from it go on.
+ */
+void mlg_reshaping_free(MlgReshaping *problem);
+
+/**
+ * Starts a reshaping on a thread of its own and returns at once. The problem is copied: it may be
+ * changed or freed while the run goes on. `options`: NULL for the defaults. Free the run with
+ * `mlg_run_free`.
+ */
+MlgStatus mlg_reshaping_start(const MlgReshaping *problem,
+                              const MlgReshapingOptions *options,
+                              MlgRun **out_run,
+                              MlgError *error);
+
+/**
+ * Reshapes and returns when it is done: `mlg_reshaping_start` and `mlg_run_wait_reshaping` in one.
+ * Free the result with `mlg_reshaping_result_free`.
+ */
+MlgStatus mlg_reshaping_run(const MlgReshaping *problem,
+                            const MlgReshapingOptions *options,
+                            MlgReshapingResult **out_result,
+                            MlgError *error);
+
+/**
+ * Tells where a run stands; takes less than a microsecond. `out_progress`: its `struct_size` must
+ * be set.
+ */
+MlgStatus mlg_run_poll(const MlgRun *run, MlgProgress *out_progress, MlgError *error);
+
+/**
+ * Asks a run to stop; returns at once. The run still hands out the best shape so far, if it has
+ * one. Allowed at any time, from any thread (but not from a signal handler: set a flag there).
+ */
+void mlg_run_cancel(const MlgRun *run);
+
+/**
+ * Copies the latest shape of the surface, for a live view: `3 * *out_count` coordinates into
+ * `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
+ * before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
+ * `capacity` is 0.
+ */
+MlgStatus mlg_run_preview_points(const MlgRun *run,
+                                 double *buffer,
+                                 size_t capacity,
+                                 size_t *out_count,
+                                 MlgError *error);
+
+/**
+ * Waits for the end of a run and hands its result over, once. A cancelled run gives its best shape
+ * so far, marked by `stop` in its summary, or `MLG_STATUS_CANCELLED` if it had none yet. Free the
+ * result with `mlg_reshaping_result_free`, and the run with `mlg_run_free`.
+ */
+MlgStatus mlg_run_wait_reshaping(MlgRun *run, MlgReshapingResult **out_result, MlgError *error);
+
+/**
+ * Cancels a run, waits for its end and frees it. NULL and handles freed already are allowed.
+ */
+void mlg_run_free(MlgRun *run);
+
+/**
+ * The surface's points, in the template's order: `3 * *out_count` coordinates, borrowed until the
+ * result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_reshaping_result_points(const MlgReshapingResult *result, size_t *out_count);
+
+/**
+ * The tet mesh's points, in its order: `3 * *out_count` coordinates, borrowed until the result is
+ * freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result, size_t *out_count);
+
+/**
+ * The logarithm of the plastic strain at each point of the tet mesh: `6 * *out_count` numbers, the
+ * symmetric matrix as xx, xy, xz, yy, yz, zz; borrowed until the result is freed. NULL for a
+ * handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_reshaping_result_strains(const MlgReshapingResult *result, size_t *out_count);
+
+/**
+ * The distance of each marker to the result: `*out_count` numbers in the markers' order, borrowed
+ * until the result is freed. NULL without markers or for a handle that is not valid. `out_count`:
+ * may be NULL.
+ */
+const double *mlg_reshaping_result_marker_distances(const MlgReshapingResult *result,
+                                                    size_t *out_count);
+
+/**
+ * Carries other points along by the deformation: vessels inside, a textured mesh around.
+ *
+ * `points`: `3 * count` coordinates at rest, finite; those outside the tets go with the nearest
+ * one. `out_points`: room for `3 * count` coordinates; may be `points` itself.
+ */
+MlgStatus mlg_reshaping_result_carry(const MlgReshapingResult *result,
+                                     const double *points,
+                                     size_t count,
+                                     double *out_points,
+                                     MlgError *error);
+
+/**
+ * Tells how it went. `out_summary`: its `struct_size` must be set.
+ */
+MlgStatus mlg_reshaping_result_summary(const MlgReshapingResult *result,
+                                       MlgReshapingSummary *out_summary,
+                                       MlgError *error);
+
+/**
+ * Measures the tets of the result. `out_quality`: its `struct_size` must be set.
+ */
+MlgStatus mlg_reshaping_result_quality(const MlgReshapingResult *result,
+                                       MlgTetQuality *out_quality,
+                                       MlgError *error);
+
+/**
+ * Frees a result. NULL and handles freed already are allowed.
+ */
+void mlg_reshaping_result_free(MlgReshapingResult *result);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* MOULAGE_H */

@@ -1,0 +1,259 @@
+//! Meshes from arrays and files.
+
+use std::ffi::c_char;
+use std::ptr;
+
+use super::boundary::{Failure, MlgError, MlgStatus, guard, guard_or};
+use super::{buffers, handles};
+use crate::io::{SurfaceFile, read_surface, read_tets, write_surface, write_vtu};
+use crate::mesh::{SurfaceCheck, TetMesh, TriMesh};
+
+/// A triangle surface. Immutable; may be read from many threads.
+pub struct MlgTriMesh;
+
+/// A tet mesh. Immutable; may be read from many threads.
+pub struct MlgTetMesh;
+
+/// A surface, with the file it came from so that texture coordinates and groups survive.
+pub(super) struct Surface {
+    pub mesh: TriMesh,
+    file: Option<SurfaceFile>,
+}
+
+/// Makes a surface from arrays, which are copied.
+///
+/// `points`: `3 * point_count` coordinates (x, y, z of each), finite, in any unit.
+/// `triangles`: `3 * triangle_count` vertex indices from 0, counter-clockwise seen from outside.
+/// Neither may be NULL unless its count is 0. Free with `mlg_tri_mesh_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_new(
+    points: *const f64,
+    point_count: usize,
+    triangles: *const u32,
+    triangle_count: usize,
+    out_mesh: *mut *mut MlgTriMesh,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_mesh, "out_mesh")?;
+        // SAFETY: the caller's promise (see the module).
+        let points = unsafe { buffers::points(points, point_count, "points")? };
+        // SAFETY: as above.
+        let triangles =
+            unsafe { buffers::index_rows::<3>(triangles, triangle_count, "triangles")? };
+        let mesh = TriMesh::new(points, triangles)?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_mesh, handles::give(Surface { mesh, file: None }), "out_mesh") }
+    })
+}
+
+/// Reads a surface from a `.obj`, `.ply` or `.stl` file. `path`: UTF-8. Free with
+/// `mlg_tri_mesh_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_load(
+    path: *const c_char,
+    out_mesh: *mut *mut MlgTriMesh,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_mesh, "out_mesh")?;
+        // SAFETY: the caller's promise (see the module).
+        let file = read_surface(&unsafe { buffers::path(path, "path")? })?;
+        let surface = Surface { mesh: file.mesh()?, file: Some(file) };
+        // SAFETY: as above.
+        unsafe { buffers::write(out_mesh, handles::give(surface), "out_mesh") }
+    })
+}
+
+/// Writes a surface with moved points to a `.obj`, `.ply` or `.stl` file. Where the mesh was loaded
+/// from a file of that format, all but points and normals stays as it was: texture coordinates,
+/// groups, materials.
+///
+/// `points`: `3 * point_count` coordinates, or NULL for the mesh's own; `point_count` must be that
+/// of the mesh (ignored for NULL).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_save(
+    mesh: *const MlgTriMesh,
+    points: *const f64,
+    point_count: usize,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
+        // SAFETY: the caller's promise (see the module).
+        let path = unsafe { buffers::path(path, "path")? };
+        let points = if points.is_null() {
+            surface.mesh.points.clone()
+        } else {
+            // SAFETY: as above.
+            unsafe { buffers::points(points, point_count, "points")? }
+        };
+        if points.len() != surface.mesh.points.len() {
+            return Err(Failure::invalid(format!(
+                "points: {} given, but the mesh has {}",
+                points.len(),
+                surface.mesh.points.len()
+            )));
+        }
+        Ok(match &surface.file {
+            Some(file) => file.write_with_points(&path, &points)?,
+            None => {
+                write_surface(
+                    &path,
+                    &TriMesh { points, triangles: surface.mesh.triangles.clone() },
+                )?;
+            }
+        })
+    })
+}
+
+/// The points: `3 * *out_count` coordinates, borrowed until the mesh is freed. NULL for a mesh
+/// without points or a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_points(
+    mesh: *const MlgTriMesh,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&surface.mesh.points, out_count) })
+    })
+}
+
+/// The triangles: `3 * *out_count` vertex indices, borrowed until the mesh is freed. NULL for a
+/// mesh without triangles or a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_triangles(
+    mesh: *const MlgTriMesh,
+    out_count: *mut usize,
+) -> *const u32 {
+    guard_or(ptr::null(), || {
+        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&surface.mesh.triangles, out_count) })
+    })
+}
+
+/// Looks for holes, crowded and flipped edges, empty triangles, double and unused vertices, and
+/// writes what it finds, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
+/// `capacity` bytes. An empty text means a clean, closed surface. `buffer` may be NULL if
+/// `capacity` is 0. `out_length`: bytes of the whole text without the zero; may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_check(
+    mesh: *const MlgTriMesh,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
+        let text = SurfaceCheck::new(&surface.mesh).sentences(&surface.mesh).join("\n");
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
+    })
+}
+
+/// Frees a surface. NULL and handles freed already are allowed. Objects made from it stay valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_free(mesh: *mut MlgTriMesh) {
+    guard_or((), || {
+        handles::free::<Surface, _>(mesh);
+        Ok(())
+    });
+}
+
+/// Makes a tet mesh from arrays, which are copied. Tets of negative volume are turned around.
+///
+/// `points`: `3 * point_count` coordinates, finite. `tets`: `4 * tet_count` vertex indices from 0.
+/// Neither may be NULL unless its count is 0. Free with `mlg_tet_mesh_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tet_mesh_new(
+    points: *const f64,
+    point_count: usize,
+    tets: *const u32,
+    tet_count: usize,
+    out_mesh: *mut *mut MlgTetMesh,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_mesh, "out_mesh")?;
+        // SAFETY: the caller's promise (see the module).
+        let points = unsafe { buffers::points(points, point_count, "points")? };
+        // SAFETY: as above.
+        let tets = unsafe { buffers::index_rows::<4>(tets, tet_count, "tets")? };
+        let mesh = TetMesh::new(points, tets)?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_mesh, handles::give(mesh), "out_mesh") }
+    })
+}
+
+/// Reads a tet mesh from a TetGen `.node` or `.ele`, `.vtu`, VegaFEM `.veg` or Gmsh `.msh` file.
+/// `path`: UTF-8. Free with `mlg_tet_mesh_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tet_mesh_load(
+    path: *const c_char,
+    out_mesh: *mut *mut MlgTetMesh,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_mesh, "out_mesh")?;
+        // SAFETY: the caller's promise (see the module).
+        let mesh = read_tets(&unsafe { buffers::path(path, "path")? })?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_mesh, handles::give(mesh), "out_mesh") }
+    })
+}
+
+/// Writes a tet mesh as `.vtu` (VTK, for ParaView). `path`: UTF-8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tet_mesh_save(
+    mesh: *const MlgTetMesh,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
+        // SAFETY: the caller's promise (see the module).
+        Ok(write_vtu(&unsafe { buffers::path(path, "path")? }, &mesh, &[], &[])?)
+    })
+}
+
+/// The points: `3 * *out_count` coordinates, borrowed until the mesh is freed. NULL for a mesh
+/// without points or a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tet_mesh_points(
+    mesh: *const MlgTetMesh,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&mesh.points, out_count) })
+    })
+}
+
+/// The tets: `4 * *out_count` vertex indices, borrowed until the mesh is freed. NULL for a mesh
+/// without tets or a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tet_mesh_tets(
+    mesh: *const MlgTetMesh,
+    out_count: *mut usize,
+) -> *const u32 {
+    guard_or(ptr::null(), || {
+        let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&mesh.tets, out_count) })
+    })
+}
+
+/// Frees a tet mesh. NULL and handles freed already are allowed. Objects made from it stay valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tet_mesh_free(mesh: *mut MlgTetMesh) {
+    guard_or((), || {
+        handles::free::<TetMesh, _>(mesh);
+        Ok(())
+    });
+}

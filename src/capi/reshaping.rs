@@ -1,0 +1,326 @@
+//! A reshaping problem and its options.
+
+use std::ptr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::buffers::{self, Versioned};
+use super::handles;
+use super::tetrahedralization::{Carried, MlgTetrahedralization};
+use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint};
+
+/// A template and the data it is to follow. May be used by one thread at a time.
+pub struct MlgReshaping;
+
+pub(super) struct ProblemObject(Mutex<Problem>);
+
+impl ProblemObject {
+    pub fn lock(&self) -> MutexGuard<'_, Problem> {
+        // Each setter changes one list in one go, so the data is whole whatever panicked.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// How to reshape. Set with `mlg_reshaping_options_init`. Lengths are in the template's unit; 0
+/// takes a default relative to the template's size.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct MlgReshapingOptions {
+    /// `sizeof` this struct in the caller's header.
+    pub struct_size: usize,
+    /// How far a marker may be off. 0 (default): the template's diagonal / 1000.
+    pub tolerance: f64,
+    /// How far a landmark may be off. 0 (default): `tolerance`.
+    pub landmark_tolerance: f64,
+    /// How far an attachment may be off. 0 (default): `tolerance`.
+    pub attachment_tolerance: f64,
+    /// Weight of the smoothness of the plastic strain, without unit.
+    pub smoothness: f64,
+    /// Distance over which the strain returns to its mean away from data, as a multiple of the cube
+    /// root of the template's volume; INFINITY: never.
+    pub screening: f64,
+    /// Poisson's ratio of the tissue, above 0 and below 0.5.
+    pub poisson: f64,
+    /// 1: attachments are met whatever the markers say. 0 (default): they are weighed.
+    pub hard_attachments: u32,
+    /// Gauss-Newton iterations allowed.
+    pub max_iterations: u32,
+    /// Threads to use; 0 (default): all. The result does not depend on it.
+    pub thread_count: u32,
+    /// Leave at 0.
+    pub reserved: u32,
+}
+
+// SAFETY: repr(C), plain numbers, size first.
+unsafe impl Versioned for MlgReshapingOptions {}
+
+fn defaults() -> MlgReshapingOptions {
+    let options = Options::default();
+    MlgReshapingOptions {
+        struct_size: size_of::<MlgReshapingOptions>(),
+        tolerance: options.tolerance.unwrap_or(0.0),
+        landmark_tolerance: options.landmark_tolerance.unwrap_or(0.0),
+        attachment_tolerance: options.attachment_tolerance.unwrap_or(0.0),
+        smoothness: options.smoothness,
+        screening: options.screening,
+        poisson: options.poisson,
+        hard_attachments: u32::from(options.hard_attachments),
+        max_iterations: options.max_iterations as u32,
+        thread_count: 0,
+        reserved: 0,
+    }
+}
+
+/// Writes the defaults. `struct_size`: `sizeof *out_options`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_options_init(
+    out_options: *mut MlgReshapingOptions,
+    struct_size: usize,
+) -> MlgStatus {
+    guard(ptr::null_mut(), || {
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write_versioned(out_options, struct_size, defaults(), "out_options") }
+    })
+}
+
+/// The options in Rust's form, and the thread count.
+pub(super) unsafe fn options_of(given: *const MlgReshapingOptions) -> Outcome<(Options, usize)> {
+    // SAFETY: passed on from the caller.
+    let given = unsafe { buffers::options(given, defaults())? };
+    if given.hard_attachments > 1 || given.reserved != 0 {
+        return Err(Failure::invalid(
+            "options: hard_attachments must be 0 or 1 and reserved 0; start from mlg_reshaping_options_init",
+        ));
+    }
+    let length = |value: f64| if value == 0.0 { None } else { Some(value) };
+    #[allow(clippy::needless_update)] // options that have no field here yet keep their defaults
+    let options = Options {
+        tolerance: length(given.tolerance),
+        landmark_tolerance: length(given.landmark_tolerance),
+        attachment_tolerance: length(given.attachment_tolerance),
+        smoothness: given.smoothness,
+        screening: given.screening,
+        poisson: given.poisson,
+        hard_attachments: given.hard_attachments == 1,
+        max_iterations: given.max_iterations as usize,
+        ..Options::default()
+    };
+    options.check()?;
+    Ok((options, given.thread_count as usize))
+}
+
+/// Makes a problem of a carried template, without data yet. Free with `mlg_reshaping_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_new(
+    template_tets: *const MlgTetrahedralization,
+    out_problem: *mut *mut MlgReshaping,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_problem, "out_problem")?;
+        let carried = handles::get::<Carried, _>(template_tets, "template_tets")?;
+        let problem = Problem::new(
+            carried.surface.mesh.clone(),
+            carried.tets.clone(),
+            carried.embedding.clone(),
+            carried.inside_fraction.clone(),
+        );
+        let handle = handles::give(ProblemObject(Mutex::new(problem)));
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write(out_problem, handle, "out_problem") }
+    })
+}
+
+/// Sets the markers: points of the person's surface, without correspondence. Replaces earlier ones.
+///
+/// `points`: `3 * count` coordinates, finite, in the template's unit and frame. `weights`: `count`
+/// numbers, 0 or more, or NULL for 1 throughout.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_markers(
+    problem: *mut MlgReshaping,
+    points: *const f64,
+    weights: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let points = unsafe { buffers::points(points, count, "points")? };
+        // SAFETY: as above.
+        let weights = unsafe { buffers::weights(weights, count)? };
+        let markers = points.into_iter().zip(weights);
+        problem.lock().markers =
+            markers.map(|(position, weight)| Marker { position, weight }).collect();
+        Ok(())
+    })
+}
+
+/// Sets the landmarks: template points with known targets. Replaces earlier ones.
+///
+/// `template_points` and `targets`: `3 * count` coordinates each, finite; the template points lie
+/// on or in the template at rest. `weights`: `count` numbers, 0 or more, or NULL for 1 throughout.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_landmarks(
+    problem: *mut MlgReshaping,
+    template_points: *const f64,
+    targets: *const f64,
+    weights: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let places = unsafe { at_points(template_points, count)? };
+        // SAFETY: as above.
+        problem.lock().landmarks = unsafe { pairs("landmark", places, targets, weights, count)? };
+        Ok(())
+    })
+}
+
+/// Like `mlg_reshaping_set_landmarks`, the template points being vertices of the surface:
+/// `template_vertices` holds `count` indices from 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_landmarks_at_vertices(
+    problem: *mut MlgReshaping,
+    template_vertices: *const u32,
+    targets: *const f64,
+    weights: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let places = unsafe { at_vertices(&problem, template_vertices, count)? };
+        // SAFETY: as above.
+        problem.lock().landmarks = unsafe { pairs("landmark", places, targets, weights, count)? };
+        Ok(())
+    })
+}
+
+/// Sets the attachments: template points that are held at their targets mechanically, such as the
+/// places where a muscle grows on a bone. Replaces earlier ones. Arrays as for
+/// `mlg_reshaping_set_landmarks`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_attachments(
+    problem: *mut MlgReshaping,
+    template_points: *const f64,
+    targets: *const f64,
+    weights: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let places = unsafe { at_points(template_points, count)? };
+        // SAFETY: as above.
+        let attachments = unsafe { pairs("attachment", places, targets, weights, count)? };
+        problem.lock().attachments = attachments;
+        Ok(())
+    })
+}
+
+/// Like `mlg_reshaping_set_attachments`, the template points being vertices of the surface:
+/// `template_vertices` holds `count` indices from 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_attachments_at_vertices(
+    problem: *mut MlgReshaping,
+    template_vertices: *const u32,
+    targets: *const f64,
+    weights: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let places = unsafe { at_vertices(&problem, template_vertices, count)? };
+        // SAFETY: as above.
+        let attachments = unsafe { pairs("attachment", places, targets, weights, count)? };
+        problem.lock().attachments = attachments;
+        Ok(())
+    })
+}
+
+/// Sets the vertices of the surface that stay where they are. Replaces earlier ones. `vertices`:
+/// `count` indices from 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_fixed(
+    problem: *mut MlgReshaping,
+    vertices: *const u32,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let vertices = unsafe { checked_vertices(&problem, vertices, count)? };
+        problem.lock().fixed = vertices;
+        Ok(())
+    })
+}
+
+/// Frees a problem. NULL and handles freed already are allowed. Runs started from it go on.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_free(problem: *mut MlgReshaping) {
+    guard_or((), || {
+        handles::free::<ProblemObject, _>(problem);
+        Ok(())
+    });
+}
+
+unsafe fn at_points(points: *const f64, count: usize) -> Outcome<Vec<TemplatePoint>> {
+    // SAFETY: passed on from the caller.
+    let points = unsafe { buffers::points(points, count, "template_points")? };
+    Ok(points.into_iter().map(TemplatePoint::Position).collect())
+}
+
+unsafe fn at_vertices(
+    problem: &Arc<ProblemObject>,
+    vertices: *const u32,
+    count: usize,
+) -> Outcome<Vec<TemplatePoint>> {
+    // SAFETY: passed on from the caller.
+    let vertices = unsafe { checked_vertices(problem, vertices, count)? };
+    Ok(vertices.into_iter().map(TemplatePoint::Vertex).collect())
+}
+
+unsafe fn checked_vertices(
+    problem: &Arc<ProblemObject>,
+    vertices: *const u32,
+    count: usize,
+) -> Outcome<Vec<u32>> {
+    // SAFETY: passed on from the caller.
+    let rows = unsafe { buffers::index_rows::<1>(vertices, count, "vertices")? };
+    let known = problem.lock().surface.points.len();
+    let vertices: Vec<u32> = rows.into_iter().flatten().collect();
+    match vertices.iter().find(|&&v| v as usize >= known) {
+        Some(v) => Err(Failure::invalid(format!(
+            "vertex {v} does not exist: the template has {known} vertices (numbered from 0)"
+        ))),
+        None => Ok(vertices),
+    }
+}
+
+unsafe fn pairs(
+    kind: &str,
+    places: Vec<TemplatePoint>,
+    targets: *const f64,
+    weights: *const f64,
+    count: usize,
+) -> Outcome<Vec<Landmark>> {
+    // SAFETY: passed on from the caller.
+    let targets = unsafe { buffers::points(targets, count, "targets")? };
+    // SAFETY: as above.
+    let weights = unsafe { buffers::weights(weights, count)? };
+    let pair = |(i, ((template, target), weight))| Landmark {
+        label: format!("{kind} {i}"),
+        template,
+        target,
+        weight,
+    };
+    Ok(places.into_iter().zip(targets).zip(weights).enumerate().map(pair).collect())
+}

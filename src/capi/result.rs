@@ -1,0 +1,216 @@
+//! What a reshaping gave.
+
+use std::ptr;
+
+use super::boundary::{MlgError, MlgStatus, guard, guard_or};
+use super::buffers::{self, Versioned};
+use super::handles;
+use super::tetrahedralization::MlgTetQuality;
+use crate::locate::{ClosestPoints, Embedding};
+use crate::math::Vec3;
+use crate::mesh::TetQuality;
+use crate::reshape::{Problem, Reshaped, Stop};
+
+/// A reshaped template. Immutable; may be read from many threads.
+pub struct MlgReshapingResult;
+
+/// Why a reshaping ended. Reaching a limit is no error: the result is there.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MlgStop {
+    /// The objective no longer falls by a relevant amount.
+    Settled = 0,
+    /// All markers are within the tolerance.
+    ToleranceMet = 1,
+    /// No step lowers the objective although it should.
+    NoStep = 2,
+    /// The iterations ran out.
+    IterationLimit = 3,
+    /// The caller asked to stop.
+    Cancelled = 4,
+}
+
+/// The course of a reshaping. Lengths are in the template's unit.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct MlgReshapingSummary {
+    /// `sizeof` this struct in the caller's header; set by the caller.
+    pub struct_size: usize,
+    /// Why it ended: a number of `MlgStop`.
+    pub stop: u32,
+    /// Gauss-Newton iterations.
+    pub iterations: u32,
+    /// Newton steps of all static solves.
+    pub newton_steps: u32,
+    /// Tets of no or negative volume in the result.
+    pub inverted_tets: u32,
+    /// Mean distance of the markers to the result; NaN without markers.
+    pub mean_marker_distance: f64,
+    /// Largest distance of a marker to the result; NaN without markers.
+    pub max_marker_distance: f64,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+// SAFETY: repr(C), plain numbers, size first.
+unsafe impl Versioned for MlgReshapingSummary {}
+
+pub(super) struct ReshapingResult {
+    problem: Problem,
+    reshaped: Reshaped,
+    marker_distances: Vec<f64>,
+    seconds: f64,
+}
+
+impl ReshapingResult {
+    pub fn new(problem: Problem, reshaped: Reshaped, seconds: f64) -> Self {
+        let surface = ClosestPoints::new(&reshaped.surface_points, &problem.surface.triangles);
+        let markers: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
+        let distance = |c: Option<crate::locate::SurfacePoint>| c.map_or(f64::NAN, |c| c.distance);
+        let marker_distances = surface.closest_many(&markers).into_iter().map(distance).collect();
+        Self { problem, reshaped, marker_distances, seconds }
+    }
+
+    fn summary(&self) -> MlgReshapingSummary {
+        let stop = match self.reshaped.summary.stop {
+            Stop::Settled => MlgStop::Settled,
+            Stop::ToleranceMet => MlgStop::ToleranceMet,
+            Stop::NoStep => MlgStop::NoStep,
+            Stop::IterationLimit => MlgStop::IterationLimit,
+            Stop::Cancelled => MlgStop::Cancelled,
+        };
+        let distances = &self.marker_distances;
+        MlgReshapingSummary {
+            struct_size: size_of::<MlgReshapingSummary>(),
+            stop: stop as u32,
+            iterations: self.reshaped.summary.iterations.len().saturating_sub(1) as u32,
+            newton_steps: self.reshaped.summary.newton_steps as u32,
+            inverted_tets: self.quality().inverted as u32,
+            mean_marker_distance: distances.iter().sum::<f64>() / distances.len() as f64,
+            max_marker_distance: distances.iter().copied().fold(f64::NAN, f64::max),
+            seconds: self.seconds,
+        }
+    }
+
+    fn quality(&self) -> TetQuality {
+        TetQuality::of(&self.problem.tets.tets, &self.reshaped.tet_points)
+    }
+}
+
+/// The surface's points, in the template's order: `3 * *out_count` coordinates, borrowed until the
+/// result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_points(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.reshaped.surface_points, out_count) })
+    })
+}
+
+/// The tet mesh's points, in its order: `3 * *out_count` coordinates, borrowed until the result is
+/// freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.reshaped.tet_points, out_count) })
+    })
+}
+
+/// The logarithm of the plastic strain at each point of the tet mesh: `6 * *out_count` numbers, the
+/// symmetric matrix as xx, xy, xz, yy, yz, zz; borrowed until the result is freed. NULL for a
+/// handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_strains(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.reshaped.strain, out_count) })
+    })
+}
+
+/// The distance of each marker to the result: `*out_count` numbers in the markers' order, borrowed
+/// until the result is freed. NULL without markers or for a handle that is not valid. `out_count`:
+/// may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_marker_distances(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.marker_distances, out_count) })
+    })
+}
+
+/// Carries other points along by the deformation: vessels inside, a textured mesh around.
+///
+/// `points`: `3 * count` coordinates at rest, finite; those outside the tets go with the nearest
+/// one. `out_points`: room for `3 * count` coordinates; may be `points` itself.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_carry(
+    result: *const MlgReshapingResult,
+    points: *const f64,
+    count: usize,
+    out_points: *mut f64,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module).
+        let points = unsafe { buffers::points(points, count, "points")? };
+        let embedding = Embedding::new(&result.problem.tets, &points)?;
+        let carried = embedding.apply(&result.reshaped.tet_points);
+        // SAFETY: as above.
+        unsafe { buffers::copy_points(&carried, out_points, count) }
+    })
+}
+
+/// Tells how it went. `out_summary`: its `struct_size` must be set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_summary(
+    result: *const MlgReshapingResult,
+    out_summary: *mut MlgReshapingSummary,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::fill(out_summary, result.summary(), "out_summary") }
+    })
+}
+
+/// Measures the tets of the result. `out_quality`: its `struct_size` must be set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_quality(
+    result: *const MlgReshapingResult,
+    out_quality: *mut MlgTetQuality,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::fill(out_quality, (&result.quality()).into(), "out_quality") }
+    })
+}
+
+/// Frees a result. NULL and handles freed already are allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_free(result: *mut MlgReshapingResult) {
+    guard_or((), || {
+        handles::free::<ReshapingResult, _>(result);
+        Ok(())
+    });
+}
