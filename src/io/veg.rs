@@ -9,13 +9,14 @@ use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
 /// Where the reader stands in the file.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 enum Section {
     VertexCount,
     Vertices,
     ElementType,
     ElementCount,
     Elements,
+    #[default]
     Other,
 }
 
@@ -23,64 +24,87 @@ enum Section {
 /// are left out.
 pub fn parse_veg(bytes: &[u8], path: &Path) -> Result<TetMesh> {
     let text = decode(bytes);
-    let mut section = Section::Other;
-    let (mut points, mut tets) = (Vec::<Vec3>::new(), Vec::<[usize; 4]>::new());
-    let (mut first, mut promised) = (1, [0, 0]);
+    let mut file = File::default();
     for (place, line) in data_lines(&text, path) {
         if line.starts_with('*') {
-            section = match line.to_uppercase().as_str() {
-                "*VERTICES" => Section::VertexCount,
-                "*ELEMENTS" => Section::ElementType,
-                name if name.starts_with("*INCLUDE") => {
-                    return Err(place.error("included files are not read; put all into one file"));
-                }
-                _ => Section::Other,
-            };
-            continue;
-        }
-        let mut tokens = line.split_whitespace();
-        match section {
-            Section::VertexCount => {
-                promised[0] = place.index(place.next(&mut tokens, "the count")?, "the count")?;
-                section = Section::Vertices;
-            }
-            Section::Vertices => {
-                let number = place.index(place.next(&mut tokens, "x")?, "the vertex number")?;
-                if points.is_empty() {
-                    first = number;
-                }
-                if first > 1 || number != first + points.len() {
-                    return Err(place.error(format!("vertex {number} is out of order")));
-                }
-                points.push(place.position(&mut tokens)?);
-            }
-            Section::ElementType if matches!(line.to_uppercase().as_str(), "TET" | "TETS") => {
-                section = Section::ElementCount;
-            }
-            Section::ElementType => {
-                let message = format!("elements of type '{line}' are not read; TET are");
-                return Err(place.error(message));
-            }
-            Section::ElementCount => {
-                promised[1] = place.index(place.next(&mut tokens, "the count")?, "the count")?;
-                section = Section::Elements;
-            }
-            Section::Elements => tets.push(corners(&mut tokens, place)?),
-            Section::Other => {}
+            file.section = section(line, place)?;
+        } else {
+            file.add_line(line, place)?;
         }
     }
-    for (promised, found, what) in
-        [(promised[0], points.len(), "vertices"), (promised[1], tets.len(), "tets")]
-    {
+    for (promised, found, what) in [
+        (file.promised[0], file.points.len(), "vertices"),
+        (file.promised[1], file.tets.len(), "tets"),
+    ] {
         if promised != found {
             let message = format!("{promised} {what} are promised, but the file has {found}");
             return Err(Error::parse(path, None, message));
         }
     }
     // What does not fit becomes a number that no vertex has, which `tet_mesh` reports.
-    let from_zero = |v: usize| v.checked_sub(first).and_then(|v| u32::try_from(v).ok());
-    let tets = tets.into_iter().map(|tet| tet.map(|v| from_zero(v).unwrap_or(u32::MAX))).collect();
-    tet_mesh(&points, tets, path)
+    let from_zero = |v: usize| v.checked_sub(file.first).and_then(|v| u32::try_from(v).ok());
+    let from_zero = |v: usize| from_zero(v).unwrap_or(u32::MAX);
+    let tets = file.tets.iter().map(|tet| tet.map(from_zero)).collect();
+    tet_mesh(&file.points, tets, path)
+}
+
+fn section(line: &str, place: Place) -> Result<Section> {
+    Ok(match line.to_uppercase().as_str() {
+        "*VERTICES" => Section::VertexCount,
+        "*ELEMENTS" => Section::ElementType,
+        name if name.starts_with("*INCLUDE") => {
+            return Err(place.error("included files are not read; put all into one file"));
+        }
+        _ => Section::Other,
+    })
+}
+
+#[derive(Default)]
+struct File {
+    section: Section,
+    /// Number of the first vertex.
+    first: usize,
+    points: Vec<Vec3>,
+    tets: Vec<[usize; 4]>,
+    /// Counts of vertices and tets that the file states.
+    promised: [usize; 2],
+}
+
+impl File {
+    fn add_line(&mut self, line: &str, place: Place) -> Result<()> {
+        let mut tokens = line.split_whitespace();
+        let mut number = |what| place.index(place.next(&mut tokens, what)?, what);
+        match self.section {
+            Section::VertexCount => {
+                self.promised[0] = number("the count")?;
+                self.section = Section::Vertices;
+            }
+            Section::Vertices => {
+                let number = number("the vertex number")?;
+                if self.points.is_empty() {
+                    self.first = number;
+                }
+                if self.first > 1 || number != self.first + self.points.len() {
+                    return Err(place.error(format!("vertex {number} is out of order")));
+                }
+                self.points.push(place.position(&mut tokens)?);
+            }
+            Section::ElementType => {
+                if !matches!(line.to_uppercase().as_str(), "TET" | "TETS") {
+                    let message = format!("elements of type '{line}' are not read; TET are");
+                    return Err(place.error(message));
+                }
+                self.section = Section::ElementCount;
+            }
+            Section::ElementCount => {
+                self.promised[1] = number("the count")?;
+                self.section = Section::Elements;
+            }
+            Section::Elements => self.tets.push(corners(&mut tokens, place)?),
+            Section::Other => {}
+        }
+        Ok(())
+    }
 }
 
 fn corners<'t>(tokens: &mut impl Iterator<Item = &'t str>, place: Place) -> Result<[usize; 4]> {

@@ -59,6 +59,7 @@ impl Outcome {
         let summary = &self.reshaped.summary;
         let (ending, why) = ending(summary.stop);
         let distances = self.distances(inputs);
+        let inverted_tets = inverted(&filling.mesh, &self.reshaped.tet_points);
         let now = &self.reshaped.tet_points;
         let inside: Vec<usize> = (0..filling.mesh.tets.len())
             .filter(|&t| filling.inside_fraction[t] >= INSIDE)
@@ -73,7 +74,7 @@ impl Outcome {
             template: inputs.template_path.clone(),
             ending,
             why: why.to_owned(),
-            warnings: inputs.warnings.clone(),
+            warnings: [inputs.warnings.clone(), inverted_warning(inverted_tets)].concat(),
             vertices: inputs.surface.points.len(),
             tet_vertices: filling.mesh.points.len(),
             tets: filling.mesh.tets.len(),
@@ -94,7 +95,7 @@ impl Outcome {
                 before: min_dihedrals(&filling.mesh, &filling.mesh.points, &inside),
                 after: min_dihedrals(&filling.mesh, now, &inside),
             },
-            inverted_tets: inverted(&filling.mesh, now),
+            inverted_tets,
             stretch_range: stretch_range(&filling.mesh, now, &inside),
             volume_ratio: moved.volume() / inputs.surface.volume(),
             iterations: self.iterations(),
@@ -176,6 +177,13 @@ fn min_dihedrals(mesh: &TetMesh, points: &[Vec3], inside: &[usize]) -> Vec<usize
         bins[((smallest / 10.0) as usize).min(BINS - 1)] += 1;
     }
     bins
+}
+
+fn inverted_warning(count: usize) -> Vec<String> {
+    let sentence = format!(
+        "{count} tets came out inverted; the shape is folded there: allow a larger tolerance, or look for markers that contradict each other"
+    );
+    if count == 0 { Vec::new() } else { vec![sentence] }
 }
 
 fn inverted(mesh: &TetMesh, points: &[Vec3]) -> usize {

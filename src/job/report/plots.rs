@@ -16,18 +16,32 @@ const LARGEST: RGBColor = RGBColor(200, 90, 30);
 /// What a plot gives up with; never seen by users, since nothing here can fail in memory.
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
-/// \[W\] Fig. 9: marker distances over the iterations, logarithmic.
+/// \[W\] Fig. 9: marker distances over the iterations.
 pub fn convergence(report: &Report) -> String {
     let iterations = &report.iterations;
-    let positive = |value: f64| value.max(1e-12);
-    let means = iterations.iter().map(|i| positive(i.mean_marker_distance));
-    let largest = iterations.iter().map(|i| positive(i.max_marker_distance));
-    let (low, high) = (
-        means.clone().fold(f64::INFINITY, f64::min).min(positive(report.tolerance)),
-        largest.clone().fold(0.0, f64::max),
-    );
+    let tolerance = vec![report.tolerance; iterations.len()];
+    let largest = iterations.iter().map(|i| i.max_marker_distance).collect();
+    let mean = iterations.iter().map(|i| i.mean_marker_distance).collect();
+    let lines =
+        [("tolerance", BEFORE, tolerance), ("largest", LARGEST, largest), ("mean", AFTER, mean)];
+    curves(&lines, "marker distance")
+}
+
+/// \[W\] Fig. 9 too: the objective over the iterations. While the weight of the markers grows, the
+/// objective grows with it.
+pub fn objective(report: &Report) -> String {
+    let values = report.iterations.iter().map(|i| i.objective).collect();
+    curves(&[("objective", AFTER, values)], "objective")
+}
+
+/// Curves over the iterations with a logarithmic axis.
+fn curves(lines: &[(&'static str, RGBColor, Vec<f64>)], y: &str) -> String {
+    // Zero has no logarithm.
+    let positive = |value: &f64| value.max(1e-12);
+    let all = || lines.iter().flat_map(|line| &line.2).map(positive);
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+    let last = (lines[0].2.len().max(2) - 1) as f64;
     svg(|root| {
-        let last = (iterations.len().max(2) - 1) as f64;
         let mut chart = ChartBuilder::on(root)
             .margin(8)
             .x_label_area_size(34)
@@ -37,61 +51,27 @@ pub fn convergence(report: &Report) -> String {
             .configure_mesh()
             .disable_x_mesh()
             .x_desc("iteration")
-            .y_desc("marker distance")
+            .y_desc(y)
             .x_label_formatter(&|x| format!("{x:.0}"))
             .y_labels(5)
             .y_label_formatter(&|y| short(*y))
             .light_line_style(WHITE)
             .draw()?;
-        let tolerance = [(0.0, report.tolerance), (last, report.tolerance)];
-        chart
-            .draw_series(LineSeries::new(tolerance, BLACK.mix(0.4)))?
-            .label("tolerance")
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], BLACK.mix(0.4)));
-        let lines: [(Vec<f64>, RGBColor, &str); 2] =
-            [(largest.collect(), LARGEST, "largest"), (means.collect(), AFTER, "mean")];
-        for (values, colour, label) in lines {
-            let points = values.into_iter().enumerate().map(|(i, value)| (i as f64, value));
+        for &(label, colour, ref values) in lines {
+            let points = values.iter().enumerate().map(|(i, value)| (i as f64, positive(value)));
             chart
                 .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
                 .label(label)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour));
         }
-        // The mean falls from the upper left, the largest stays above: this corner is free.
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerLeft)
-            .background_style(WHITE.mix(0.8))
-            .draw()?;
-        Ok(())
-    })
-}
-
-/// \[W\] Fig. 9 too: the objective over the iterations, logarithmic. While the weight of the markers
-/// grows, the objective grows with it.
-pub fn objective(report: &Report) -> String {
-    let values: Vec<f64> = report.iterations.iter().map(|i| i.objective.max(1e-12)).collect();
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min).min(1.0);
-    let high = values.iter().copied().fold(low * 2.0, f64::max);
-    svg(|root| {
-        let last = (values.len().max(2) - 1) as f64;
-        let mut chart = ChartBuilder::on(root)
-            .margin(8)
-            .x_label_area_size(34)
-            .y_label_area_size(52)
-            .build_cartesian_2d(0.0..last, (low * 0.8..high * 1.2).log_scale())?;
-        chart
-            .configure_mesh()
-            .disable_x_mesh()
-            .x_desc("iteration")
-            .y_desc("objective")
-            .x_label_formatter(&|x| format!("{x:.0}"))
-            .y_labels(5)
-            .y_label_formatter(&|y| short(*y))
-            .light_line_style(WHITE)
-            .draw()?;
-        let points = values.iter().enumerate().map(|(i, value)| (i as f64, *value));
-        chart.draw_series(LineSeries::new(points, AFTER.stroke_width(2)))?;
+        if lines.len() > 1 {
+            // The mean falls from the upper left, the largest stays above: this corner is free.
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::LowerLeft)
+                .background_style(WHITE.mix(0.8))
+                .draw()?;
+        }
         Ok(())
     })
 }
