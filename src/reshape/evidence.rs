@@ -17,6 +17,10 @@ const OUTLIER: f64 = 3.0;
 /// Normal-distributed residuals have this ratio of standard deviation to median size.
 const SIGMA_PER_MEDIAN: f64 = 1.4826;
 
+/// Attachments are trusted somewhat more than their residuals suggest: exact ones then tighten from
+/// one iteration to the next until they are met.
+const ATTACHMENT_NOISE: f64 = 1.0;
+
 /// 1 / sigma^2 of every datum, robust factors included.
 #[derive(Clone, Debug, Default)]
 pub struct Weights {
@@ -32,7 +36,8 @@ pub struct Weights {
 pub struct Contact {
     /// Closest surface point of each marker.
     pub hits: Vec<SurfacePoint>,
-    /// Surface normal there.
+    /// Direction of the distance: towards the marker while it is far, the surface normal when it
+    /// is near. At edges and tips the two differ, and only the first leads there.
     normals: Vec<Vec3>,
 }
 
@@ -51,11 +56,16 @@ impl Contact {
         let vertex_normals = surface.vertex_normals();
         let normals = hits
             .iter()
-            .map(|hit| {
+            .zip(&positions)
+            .map(|(hit, position)| {
                 let corners = surface.triangles[hit.triangle as usize];
                 let blend: Vec3 =
                     (0..3).map(|k| vertex_normals[corners[k] as usize] * hit.barycentric[k]).sum();
-                blend.try_normalize(1e-12).unwrap_or_else(Vec3::z)
+                let gap = position - hit.position;
+                let side = if gap.dot(&blend) < 0.0 { -1.0 } else { 1.0 };
+                (blend * scene.marker_sigma + gap * side)
+                    .try_normalize(1e-12)
+                    .unwrap_or_else(Vec3::z)
             })
             .collect();
         Self { hits, normals }
@@ -88,23 +98,24 @@ impl Weights {
         let attachments = if hard_attachments {
             scene.attachments.iter().map(|p| p.weight / scene.attachment_sigma.powi(2)).collect()
         } else {
-            group_weights(&scene.attachments, x, scene.attachment_sigma)
+            group_weights(&scene.attachments, x, scene.attachment_sigma, ATTACHMENT_NOISE)
         };
         Self {
             markers,
-            landmarks: group_weights(&scene.landmarks, x, scene.landmark_sigma),
+            landmarks: group_weights(&scene.landmarks, x, scene.landmark_sigma, SIGMA_PER_MEDIAN),
             attachments,
         }
     }
 }
 
 /// Pairs are weighed by what their group turns out to be worth: its noise is estimated from the
-/// residuals (never below the tolerance), and single ones far beyond it fade out
-/// (Geman-McClure). So bad landmarks lose to the markers, good ones are met exactly.
-fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64) -> Vec<f64> {
+/// residuals (`noise_per_median` times their median, never below the tolerance), and single ones
+/// far beyond it fade out (Geman-McClure). So bad landmarks lose to the markers, good ones are met
+/// exactly.
+fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64, noise_per_median: f64) -> Vec<f64> {
     let residuals: Vec<f64> =
         pairs.iter().map(|p| (p.point.position(x) - p.target).norm()).collect();
-    let sigma = tolerance.max(SIGMA_PER_MEDIAN * median(&residuals));
+    let sigma = tolerance.max(noise_per_median * median(&residuals));
     pairs
         .iter()
         .zip(&residuals)
@@ -132,6 +143,11 @@ pub fn rows(scene: &Scene, contact: &Contact, weights: &Weights, x: &[Vec3]) -> 
             let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
             rows.add(pair.point.clone(), axes.map(|d| (d, d.dot(&gap), weight)));
         }
+    }
+    for excess in scene.coverage.iter().flat_map(|c| c.excesses(x)) {
+        let spacing = scene.coverage.as_ref().map_or(1.0, super::coverage::Coverage::spacing);
+        let weight = 1.0 / (spacing * spacing);
+        rows.add(excess.point.clone(), [(excess.direction, excess.residual * spacing, weight)]);
     }
     rows
 }

@@ -1,6 +1,7 @@
 //! A template follows markers through optimized plastic strains (Wang, Matcuk, Barbic 2021).
 
 mod affine_start;
+mod coverage;
 mod evidence;
 mod gauss_newton;
 mod options;

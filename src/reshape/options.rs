@@ -9,12 +9,15 @@ pub struct Options {
     /// How far a marker may be off: its noise. The result is the smoothest shape that explains the
     /// markers to about this. Default: the template's diagonal / 1000.
     pub tolerance: Option<f64>,
-    /// How far a landmark may be off when it can be trusted. Default: `tolerance`.
+    /// How far a landmark may be off when it can be trusted. Default: 5 times `tolerance`.
     pub landmark_tolerance: Option<f64>,
     /// How far an attachment may be off when it can be trusted. Default: `tolerance`.
     pub attachment_tolerance: Option<f64>,
     /// Attachments are met whatever the markers say, instead of being weighed against them.
     pub hard_attachments: bool,
+    /// Template points far from every marker are pulled back, except beyond the ends of a scan that
+    /// cuts the organ. Acts only for markers that lie on parallel axis-aligned slices.
+    pub reverse_term: bool,
     /// Weight of the smoothness of the plastic strain, without unit.
     pub smoothness: f64,
     /// Distance over which the strain returns to its mean away from data, as a multiple of the
@@ -33,6 +36,7 @@ impl Default for Options {
             landmark_tolerance: None,
             attachment_tolerance: None,
             hard_attachments: false,
+            reverse_term: true,
             smoothness: 0.05,
             screening: 0.3,
             poisson: 0.45,

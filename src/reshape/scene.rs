@@ -3,10 +3,11 @@
 use crate::error::Result;
 use crate::fem::{Body, MaterialPoint, Spring};
 use crate::locate::Embedding;
-use crate::material::StableNeoHookean;
+use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
+use super::coverage::Coverage;
 use super::options::Options;
 use super::problem::{Landmark, Problem, TemplatePoint};
 
@@ -15,7 +16,15 @@ const FIRM: f64 = 100.0;
 
 /// Total stiffness of all soft attachments' springs, in units of E l: enough to carry the body
 /// along, too little to dent it.
-const SOFT_TOTAL: f64 = 100.0;
+const SOFT_TOTAL: f64 = 3.0;
+
+/// A landmark is clicked less exactly than a marker: this many tolerances.
+const LANDMARK_TOLERANCE: f64 = 5.0;
+
+/// Elements compressed below this share of their plastic rest volume are held back by a barrier of
+/// this strength (in units of Young's modulus), so that none inverts.
+const BARRIER_START: f64 = 0.3;
+const BARRIER_STRENGTH: f64 = 1.0;
 
 /// A paired point.
 pub struct Pair {
@@ -34,7 +43,7 @@ pub struct Scene {
     /// The solver's origin in the template's frame.
     pub center: Vec3,
     /// The elastic body; its first springs belong to the attachments, in order.
-    pub body: Body<StableNeoHookean>,
+    pub body: Body<InversionBarrier<StableNeoHookean>>,
     /// Each surface vertex in the tets.
     pub embedding: Embedding,
     /// The surface's triangles.
@@ -45,8 +54,8 @@ pub struct Scene {
     pub landmarks: Vec<Pair>,
     /// Attachments.
     pub attachments: Vec<Pair>,
-    /// Fixed points.
-    pub fixed: Vec<Pair>,
+    /// Where the markers cover the person, when that can be known.
+    pub coverage: Option<Coverage>,
     /// Noise of a marker.
     pub marker_sigma: f64,
     /// Noise of a trusted landmark.
@@ -111,18 +120,40 @@ impl Scene {
             .chain(fixed.iter().map(|pair| spring(pair, FIRM)))
             .collect();
         let tolerance = options.tolerance.unwrap_or(problem.surface.diagonal() / 1000.0) / length;
+        let markers: Vec<(Vec3, f64)> =
+            problem.markers.iter().map(|m| (inward(&m.position), m.weight)).collect();
+        let coverage = if options.reverse_term {
+            let surface: Vec<(Vec3, MaterialPoint)> = points
+                .iter()
+                .enumerate()
+                .map(|(v, p)| (inward(p), embedded(&problem.embedding, v)))
+                .collect();
+            Coverage::of_slices(&markers.iter().map(|m| m.0).collect::<Vec<_>>(), &surface)
+        } else {
+            None
+        };
         Ok(Self {
             length,
             center,
-            body: Body::new(tets, StableNeoHookean::new(1.0, options.poisson), springs)?,
+            body: Body::new(
+                tets,
+                InversionBarrier::new(
+                    StableNeoHookean::new(1.0, options.poisson),
+                    BARRIER_START,
+                    BARRIER_STRENGTH,
+                ),
+                springs,
+            )?,
             embedding: problem.embedding.clone(),
             triangles: problem.surface.triangles.clone(),
-            markers: problem.markers.iter().map(|m| (inward(&m.position), m.weight)).collect(),
+            markers,
+            coverage,
             landmarks,
             attachments,
-            fixed,
             marker_sigma: tolerance,
-            landmark_sigma: options.landmark_tolerance.map_or(tolerance, |t| t / length),
+            landmark_sigma: options
+                .landmark_tolerance
+                .map_or(LANDMARK_TOLERANCE * tolerance, |t| t / length),
             attachment_sigma: options.attachment_tolerance.map_or(tolerance, |t| t / length),
         })
     }

@@ -188,20 +188,34 @@ impl<'a> Solver<'a> {
         center: Vec3,
     ) -> Result<Option<State>> {
         let s: Vec<Sym3> = state.s.iter().zip(&direction.ds).map(|(s, ds)| s + ds * eta).collect();
+        let plastic = self.plastic(&s);
         let rigid = direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), center));
-        let predicted: Vec<Vec3> = state
-            .x
-            .iter()
-            .zip(dx)
-            .map(|(x, dx)| {
-                let x = x + dx * eta;
-                rigid.map_or(x, |motion| motion.apply(&x))
-            })
-            .collect();
+        let predicted = self.predict(&state.x, dx, eta, rigid.as_ref(), &plastic);
         let Equilibrium { x, outcome, steps } =
-            self.scene.body.equilibrate(predicted, &self.plastic(&s), &TRIAL)?;
+            self.scene.body.equilibrate(predicted, &plastic, &TRIAL)?;
         self.summary.newton_steps += steps;
         Ok((outcome == Outcome::Converged).then_some(State { s, x }))
+    }
+
+    /// First-order guess of the shape after a step, held back where it would invert a tet.
+    fn predict(
+        &self,
+        x: &[Vec3],
+        dx: &[Vec3],
+        eta: f64,
+        rigid: Option<&RigidMotion>,
+        plastic: &[PlasticState],
+    ) -> Vec<Vec3> {
+        let mut share = eta;
+        loop {
+            let moved = x.iter().zip(dx).map(|(x, dx)| x + dx * share);
+            let guess: Vec<Vec3> =
+                moved.map(|x| rigid.map_or(x, |motion| motion.apply(&x))).collect();
+            if share == 0.0 || self.scene.body.energy(&guess, plastic).is_finite() {
+                return guess;
+            }
+            share = if share < 0.1 * eta { 0.0 } else { 0.5 * share };
+        }
     }
 
     /// Keeps the strain of every tet from changing too much at once.
