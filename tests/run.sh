@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(core)
+parts=(core c)
 
 install_debian() {
     local missing=()
@@ -23,6 +23,14 @@ run_core() {
     cargo fmt --all --check
     cargo clippy --all-targets -- -D warnings
     cargo test
+}
+
+run_c() {
+    install_debian gcc g++ cmake pkg-config valgrind binutils
+    bash tests/c/run.sh
+    prefix=$(mktemp -d)
+    bash tests/c/install.sh "$prefix"
+    rm -rf "$prefix"
 }
 
 for part in "${@:-${parts[@]}}"; do

@@ -1,0 +1,137 @@
+/* Runs: a known answer, the same bits on any thread count, cancel at any time, two at once, and a
+ * thousand that are started, cancelled and freed. */
+#include "shapes.h"
+
+static MlgProgress poll_run(const MlgRun *run) {
+    MlgProgress progress;
+    progress.struct_size = sizeof progress;
+    CHECK(mlg_run_poll(run, &progress, NULL) == MLG_STATUS_OK);
+    CHECK(progress.fraction >= 0 && progress.fraction <= 1);
+    return progress;
+}
+
+static MlgReshapingSummary summary_of(const MlgReshapingResult *result) {
+    MlgReshapingSummary summary;
+    summary.struct_size = sizeof summary;
+    CHECK(mlg_reshaping_result_summary(result, &summary, NULL) == MLG_STATUS_OK);
+    return summary;
+}
+
+static void known_answer(uint32_t tet_count) {
+    double points[3 * POINTS], inside[] = {0.1, 0.2, 0.3};
+    MlgReshaping *problem = sphere_problem(points, tet_count);
+    MlgReshapingResult *one = NULL, *two = NULL;
+    MlgReshapingOptions options;
+    MlgReshapingSummary summary;
+    size_t i, count = 0, more = 0;
+    const double *x;
+    double worst = 0;
+
+    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
+    options.thread_count = 1;
+    CHECK(mlg_reshaping_run(problem, &options, &one, NULL) == MLG_STATUS_OK);
+    options.thread_count = 2;
+    CHECK(mlg_reshaping_run(problem, &options, &two, NULL) == MLG_STATUS_OK);
+    x = mlg_reshaping_result_points(one, &count);
+    CHECK(count == POINTS);
+    CHECK(memcmp(x, mlg_reshaping_result_points(two, NULL), 3 * count * sizeof *x) == 0);
+    for (i = 0; i < count; i++) {
+        const double a = x[3 * i] / 1.5, b = x[3 * i + 1], c = x[3 * i + 2] / 0.8;
+        worst = fmax(worst, fabs(sqrt(a * a + b * b + c * c) - 1));
+    }
+    summary = summary_of(one);
+    printf("worst distance %.4f, markers %.4f, %u iterations, %.2f s\n", worst,
+           summary.mean_marker_distance, (unsigned)summary.iterations, summary.seconds);
+    CHECK(worst < 0.06 && summary.mean_marker_distance < 0.01 && summary.inverted_tets == 0);
+    CHECK(mlg_reshaping_result_marker_distances(one, &more) != NULL && more == (POINTS + 2) / 3);
+    CHECK(mlg_reshaping_result_strains(one, &count) && mlg_reshaping_result_tet_points(one, &more));
+    CHECK(count == more);
+    CHECK(mlg_reshaping_result_carry(one, inside, 1, inside, NULL) == MLG_STATUS_OK);
+    CHECK(fabs(inside[0]) < 0.5 && inside[0] == inside[0]);
+    mlg_reshaping_result_free(one);
+    mlg_reshaping_result_free(two);
+    CHECK(mlg_reshaping_result_points(one, NULL) == NULL);
+    mlg_reshaping_free(problem);
+}
+
+static void polling_and_two_at_once(uint32_t tet_count) {
+    double points[3 * POINTS], preview[3 * POINTS];
+    MlgReshaping *problem = sphere_problem(points, tet_count);
+    MlgRun *first = NULL, *second = NULL;
+    MlgReshapingResult *result = NULL;
+    size_t count = 0, polls = 0;
+    CHECK(mlg_reshaping_start(problem, NULL, &first, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_start(problem, NULL, &second, NULL) == MLG_STATUS_OK);
+    mlg_reshaping_free(problem); /* the runs have their own copy */
+    while (poll_run(first).state == MLG_RUN_RUNNING) {
+        CHECK(mlg_run_preview_points(first, preview, POINTS, &count, NULL) == MLG_STATUS_OK);
+        CHECK(count == 0 || count == POINTS);
+        polls++;
+    }
+    CHECK(polls > 0);
+    CHECK(mlg_run_preview_points(first, NULL, 0, &count, NULL) == MLG_STATUS_OK && count == POINTS);
+    CHECK(mlg_run_wait_reshaping(first, &result, NULL) == MLG_STATUS_OK);
+    mlg_reshaping_result_free(result);
+    CHECK(mlg_run_wait_reshaping(first, &result, NULL) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(mlg_run_wait_reshaping(second, &result, NULL) == MLG_STATUS_OK);
+    CHECK(poll_run(second).state == MLG_RUN_ENDED);
+    mlg_reshaping_result_free(result);
+    mlg_run_free(first);
+    mlg_run_free(second);
+}
+
+/* Cancels after more and more polls, so that every stage is hit. */
+static void cancel_at_every_stage(int times, uint32_t tet_count) {
+    double points[3 * POINTS];
+    MlgReshaping *problem = sphere_problem(points, tet_count);
+    int i, with_result = 0;
+    for (i = 0; i < times; i++) {
+        MlgRun *run = NULL;
+        MlgReshapingResult *result = NULL;
+        MlgStatus status;
+        long wait;
+        CHECK(mlg_reshaping_start(problem, NULL, &run, NULL) == MLG_STATUS_OK);
+        for (wait = 0; wait < 2000L * i && poll_run(run).state == MLG_RUN_RUNNING; wait++) {
+        }
+        mlg_run_cancel(run);
+        status = mlg_run_wait_reshaping(run, &result, NULL);
+        CHECK(status == MLG_STATUS_OK || status == MLG_STATUS_CANCELLED);
+        if (status == MLG_STATUS_OK) {
+            with_result++;
+            CHECK(mlg_reshaping_result_points(result, NULL)[0] < 10);
+        }
+        mlg_reshaping_result_free(result);
+        mlg_run_free(run);
+        mlg_run_free(run);
+    }
+    printf("%d of %d cancelled runs had a shape\n", with_result, times);
+    mlg_reshaping_free(problem);
+}
+
+static void start_cancel_free(int times) {
+    double points[3 * POINTS];
+    MlgReshaping *problem = sphere_problem(points, 100);
+    MlgReshapingOptions options;
+    int i;
+    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
+    options.thread_count = 1;
+    for (i = 0; i < times; i++) {
+        MlgRun *run = NULL;
+        CHECK(mlg_reshaping_start(problem, &options, &run, NULL) == MLG_STATUS_OK);
+        mlg_run_cancel(run);
+        mlg_run_free(run); /* while it runs */
+    }
+    mlg_reshaping_free(problem);
+}
+
+/* "quick" makes everything small, for valgrind. */
+int main(int argc, char **argv) {
+    const int quick = argc > 1 && strcmp(argv[1], "quick") == 0;
+    const uint32_t tet_count = quick ? 60 : 1500;
+    known_answer(tet_count);
+    polling_and_two_at_once(tet_count);
+    cancel_at_every_stage(quick ? 2 : 20, quick ? 60 : 800);
+    start_cancel_free(quick ? 5 : 1000);
+    puts("runs: good");
+    return 0;
+}
