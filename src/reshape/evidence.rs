@@ -17,10 +17,6 @@ const OUTLIER: f64 = 3.0;
 /// Normal-distributed residuals have this ratio of standard deviation to median size.
 const SIGMA_PER_MEDIAN: f64 = 1.4826;
 
-/// Attachments are trusted somewhat more than their residuals suggest: exact ones then tighten from
-/// one iteration to the next until they are met.
-const ATTACHMENT_NOISE: f64 = 1.0;
-
 /// 1 / sigma^2 of every datum, robust factors included.
 #[derive(Clone, Debug, Default)]
 pub struct Weights {
@@ -98,24 +94,23 @@ impl Weights {
         let attachments = if hard_attachments {
             scene.attachments.iter().map(|p| p.weight / scene.attachment_sigma.powi(2)).collect()
         } else {
-            group_weights(&scene.attachments, x, scene.attachment_sigma, ATTACHMENT_NOISE)
+            group_weights(&scene.attachments, x, scene.attachment_sigma)
         };
         Self {
             markers,
-            landmarks: group_weights(&scene.landmarks, x, scene.landmark_sigma, SIGMA_PER_MEDIAN),
+            landmarks: group_weights(&scene.landmarks, x, scene.landmark_sigma),
             attachments,
         }
     }
 }
 
 /// Pairs are weighed by what their group turns out to be worth: its noise is estimated from the
-/// residuals (`noise_per_median` times their median, never below the tolerance), and single ones
-/// far beyond it fade out (Geman-McClure). So bad landmarks lose to the markers, good ones are met
-/// exactly.
-fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64, noise_per_median: f64) -> Vec<f64> {
+/// residuals (never below the tolerance), and single ones far beyond it fade out (Geman-McClure).
+/// So bad landmarks lose to the markers, good ones are met exactly.
+fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64) -> Vec<f64> {
     let residuals: Vec<f64> =
         pairs.iter().map(|p| (p.point.position(x) - p.target).norm()).collect();
-    let sigma = tolerance.max(noise_per_median * median(&residuals));
+    let sigma = tolerance.max(SIGMA_PER_MEDIAN * median(&residuals));
     pairs
         .iter()
         .zip(&residuals)

@@ -38,7 +38,7 @@ impl Default for Options {
             hard_attachments: false,
             reverse_term: true,
             smoothness: 0.05,
-            screening: 0.3,
+            screening: 0.15,
             poisson: 0.45,
             max_iterations: 40,
         }

@@ -16,7 +16,7 @@ const FIRM: f64 = 100.0;
 
 /// Total stiffness of all soft attachments' springs, in units of E l: enough to carry the body
 /// along, too little to dent it.
-const SOFT_TOTAL: f64 = 3.0;
+const SOFT_TOTAL: f64 = 2.0;
 
 /// A landmark is clicked less exactly than a marker: this many tolerances.
 const LANDMARK_TOLERANCE: f64 = 5.0;
