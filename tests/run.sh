@@ -33,6 +33,19 @@ run_c() {
     rm -rf "$prefix"
 }
 
+# Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.
+run_fuzz() {
+    cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked
+    # The sanitizers are not yet stable parts of the compiler.
+    export RUSTC_BOOTSTRAP=1
+    cargo fuzz build
+    for target in $(cargo fuzz list); do
+        mkdir -p "fuzz/corpus/$target"
+        cargo fuzz run "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- \
+            -max_total_time="${FUZZ_SECONDS:-20}" -rss_limit_mb=2048 -timeout=10
+    done
+}
+
 for part in "${@:-${parts[@]}}"; do
     echo "== $part"
     "run_$part"

@@ -1,0 +1,2 @@
+<!DOCTYPE PickedPoints>
+<PickedPoints><point x="1" y="2" z="3" active="1" name="a"/></PickedPoints>
