@@ -9,10 +9,27 @@
 //! (plastic).
 
 pub mod areas;
+pub mod bone_scales;
+pub mod correspond;
+pub mod elastic;
+pub mod fast_sums;
+pub mod joint_frames;
 pub mod joint_limits;
+mod neighbours;
+pub mod options;
 pub mod pose;
+mod prealign;
+pub mod registration;
 pub mod rotation;
+pub mod sampled_clusters;
+mod samples;
 pub mod skeleton;
+pub mod summary;
+mod target;
 
 pub use joint_limits::JointLimits;
+pub use options::Options;
+pub use registration::{Registration, register};
 pub use skeleton::{Bone, Coordinate, Joint, Skeleton};
+pub use summary::Registered;
+pub use target::Target;

@@ -1,0 +1,235 @@
+//! Where each template vertex wants to go: closest points both ways, weighted by areas.
+//!
+//! [G] section 3.1: "weighted sum of the resulting point-to-triangle vectors, template to target
+//! and vice versa". The weights are areas, so that the density of either mesh does not matter.
+//! Pairs whose normals disagree are dropped; far pairs may be trusted less (Geman-McClure).
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::samples::Samples;
+use super::skeleton::Skeleton;
+use super::target::{SearchedSurface, Target, face_normals};
+use crate::locate::{ClosestPoints, SurfacePoint};
+use crate::math::Vec3;
+
+/// How pairs are judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairRules {
+    /// Pairs whose normals have a smaller cosine are dropped.
+    pub min_cosine: f64,
+    /// Distance scale of the robust weight as a multiple of the median pair distance; none =
+    /// all pairs count the same.
+    pub robust: Option<f64>,
+    /// Smallest robust distance scale, template unit.
+    pub robust_floor: f64,
+    /// Target to template pairs are used as well (the published method does).
+    pub both_ways: bool,
+}
+
+/// Wanted positions of all template vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Correspondences {
+    /// Wanted position; the present one where there is no pair.
+    pub wanted: Vec<Vec3>,
+    /// Weight (area) of the kept pairs at each vertex: its mass in the fits that follow.
+    pub weight: Vec<f64>,
+    /// Share of the pairs' weight that was kept, 0 (no data) to 1.
+    pub trust: Vec<f64>,
+    /// Mean distance of the kept pairs, weighted by area.
+    pub mean_distance: f64,
+}
+
+/// A part of the template that is searched as one: everything, or one bone.
+#[derive(Clone, Debug)]
+struct Group {
+    vertices: Range<usize>,
+    triangles: Vec<[u32; 3]>,
+    search: ClosestPoints,
+    forward: Samples,
+    backward: Samples,
+}
+
+/// The search for correspondences at one sampling density.
+#[derive(Clone, Debug)]
+pub(super) struct Correspond<'a> {
+    groups: Vec<(Group, &'a SearchedSurface)>,
+    vertex_count: usize,
+    triangles: &'a [[u32; 3]],
+}
+
+/// One pair: a vertex with its share of weight and its displacement to the wanted place.
+type Pull = (u32, f64, Vec3);
+
+/// A pair before its weight is known.
+struct Pair {
+    vertices: [u32; 3],
+    shares: [f64; 3],
+    area: f64,
+    pull: Vec3,
+    cosine: f64,
+}
+
+impl<'a> Correspond<'a> {
+    /// Prepares the search with vertices of both sides about `spacing` apart (0 = all).
+    pub(super) fn new(
+        skeleton: &Skeleton,
+        triangles: &'a [[u32; 3]],
+        areas: &[f64],
+        target: &'a Target,
+        spacing: f64,
+    ) -> Self {
+        let parts: Vec<_> = if target.labelled {
+            skeleton.bones.iter().map(|b| (b.vertices.clone(), b.triangles.clone())).collect()
+        } else {
+            vec![(0..skeleton.points.len(), 0..triangles.len())]
+        };
+        let groups = parts
+            .into_iter()
+            .zip(&target.surfaces)
+            .filter_map(|((vertices, range), surface)| {
+                let surface = surface.as_ref()?;
+                let first = vertices.start as u32;
+                let local: Vec<[u32; 3]> =
+                    triangles[range].iter().map(|t| t.map(|v| v - first)).collect();
+                let points = &skeleton.points[vertices.clone()];
+                let group = Group {
+                    vertices: vertices.clone(),
+                    search: ClosestPoints::new(points, &local),
+                    triangles: local,
+                    forward: Samples::new(points, &areas[vertices.clone()], spacing),
+                    backward: Samples::new(&surface.mesh.points, &surface.areas, spacing),
+                };
+                Some((group, surface))
+            })
+            .collect();
+        Self { groups, vertex_count: skeleton.points.len(), triangles }
+    }
+
+    /// Correspondences of the template at `points`.
+    pub(super) fn at(&mut self, points: &[Vec3], rules: &PairRules) -> Correspondences {
+        let mut pairs = Vec::new();
+        let normals = vertex_normals(points, self.triangles);
+        for (group, surface) in &mut self.groups {
+            let vertices = group.vertices.clone();
+            let local = &points[vertices.clone()];
+            pairs.par_extend(group.forward_pairs(local, &normals[vertices], surface));
+            if rules.both_ways {
+                group.search.refit(local);
+                let faces = face_normals(local, &group.triangles);
+                pairs.par_extend(group.backward_pairs(&faces, surface));
+            }
+        }
+        self.gather(points, &pairs, rules)
+    }
+
+    fn gather(&self, points: &[Vec3], pairs: &[Pair], rules: &PairRules) -> Correspondences {
+        let scale = rules.robust.map(|factor| {
+            (factor * median_distance(pairs, rules.min_cosine)).max(rules.robust_floor)
+        });
+        let mut pull = vec![Vec3::zeros(); self.vertex_count];
+        let mut kept = vec![0.0; self.vertex_count];
+        let mut offered = vec![0.0; self.vertex_count];
+        let (mut distance, mut weight_sum) = (0.0, 0.0);
+        for pair in pairs {
+            let trust = pair.trust(rules.min_cosine, scale);
+            distance += trust * pair.area * pair.pull.norm();
+            weight_sum += trust * pair.area;
+            for (v, weight, vector) in pair.pulls() {
+                let v = v as usize;
+                offered[v] += weight;
+                kept[v] += trust * weight;
+                pull[v] += trust * weight * vector;
+            }
+        }
+        let wanted = (0..self.vertex_count)
+            .map(|i| if kept[i] > 0.0 { points[i] + pull[i] / kept[i] } else { points[i] })
+            .collect();
+        let share = |(kept, offered): (&f64, &f64)| if *offered > 0.0 { kept / offered } else { 0.0 };
+        let trust: Vec<f64> = kept.iter().zip(&offered).map(share).collect();
+        let mean_distance = if weight_sum > 0.0 { distance / weight_sum } else { f64::NAN };
+        Correspondences { wanted, weight: kept, trust, mean_distance }
+    }
+}
+
+impl Group {
+    /// Template vertices to the target surface.
+    fn forward_pairs<'b>(
+        &'b self,
+        local: &'b [Vec3],
+        normals: &'b [Vec3],
+        surface: &'b SearchedSurface,
+    ) -> impl ParallelIterator<Item = Pair> + 'b {
+        let samples = &self.forward;
+        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(move |(&i, &area)| {
+            let found = surface.search.closest(&local[i as usize])?;
+            let cosine = normals[i as usize].dot(&surface.face_normals[found.triangle as usize]);
+            let v = i + self.vertices.start as u32;
+            let pull = found.position - local[i as usize];
+            Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine })
+        })
+    }
+
+    /// Target vertices to the template surface, shared out to the corners of the triangle hit.
+    fn backward_pairs<'b>(
+        &'b self,
+        face_normals: &'b [Vec3],
+        surface: &'b SearchedSurface,
+    ) -> impl ParallelIterator<Item = Pair> + 'b {
+        let samples = &self.backward;
+        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(move |(&q, &area)| {
+            let goal = surface.mesh.points[q as usize];
+            let SurfacePoint { triangle, barycentric, position, .. } = self.search.closest(&goal)?;
+            let cosine =
+                surface.vertex_normals[q as usize].dot(&face_normals[triangle as usize]);
+            let first = self.vertices.start as u32;
+            let vertices = self.triangles[triangle as usize].map(|v| v + first);
+            Some(Pair { vertices, shares: barycentric, area, pull: goal - position, cosine })
+        })
+    }
+}
+
+impl Pair {
+    fn trust(&self, min_cosine: f64, scale: Option<f64>) -> f64 {
+        if self.cosine < min_cosine {
+            return 0.0;
+        }
+        scale.map_or(1.0, |s| {
+            let s2 = s * s;
+            (s2 / (s2 + self.pull.norm_squared())).powi(2)
+        })
+    }
+
+    fn pulls(&self) -> impl Iterator<Item = Pull> + '_ {
+        (0..3)
+            .filter(|&k| self.shares[k] > 0.0)
+            .map(|k| (self.vertices[k], self.area * self.shares[k], self.pull))
+    }
+}
+
+fn median_distance(pairs: &[Pair], min_cosine: f64) -> f64 {
+    let mut distances: Vec<f64> =
+        pairs.iter().filter(|p| p.cosine >= min_cosine).map(|p| p.pull.norm()).collect();
+    if distances.is_empty() {
+        return 0.0;
+    }
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Area-weighted unit vertex normals.
+pub(super) fn vertex_normals(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::zeros(); points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|v| points[v as usize]);
+        let normal = (b - a).cross(&(c - a));
+        for &v in triangle {
+            normals[v as usize] += normal;
+        }
+    }
+    for normal in &mut normals {
+        *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+    }
+    normals
+}

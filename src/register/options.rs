@@ -1,0 +1,131 @@
+//! Settings of a registration. Every length is relative to the template's size.
+
+use super::bone_scales::{ScaleFreedom, ScaleOptions};
+
+/// How clusters of vertices are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Clustering {
+    /// Centres this share of the cluster radius apart.
+    Sampled {
+        /// Share of the radius, 0 to 1.
+        spacing: f64,
+    },
+    /// One at every vertex, as published.
+    Exact,
+}
+
+/// The cluster radii from coarse to fine.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Levels {
+    /// Infinite, then a third of the template's diagonal, a sixth, ... down to a multiple of the
+    /// mean edge.
+    Automatic {
+        /// Smallest radius in mean edge lengths.
+        smallest_in_edges: f64,
+    },
+    /// Given radii in the template's unit; infinity = one cluster.
+    Radii(Vec<f64>),
+}
+
+/// When the reference shape and pose are updated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Schedule {
+    /// In every iteration.
+    EveryIteration,
+    /// When the elastic iterations have come to rest, as published.
+    AfterElastic,
+}
+
+/// All settings of [`super::registration::register`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Cluster radii.
+    pub levels: Levels,
+    /// Cluster choice.
+    pub clustering: Clustering,
+    /// When shape and pose are updated.
+    pub schedule: Schedule,
+    /// A last level with clusters bone by bone, stricter normals and robust weights.
+    pub refine_bones: bool,
+    /// Clusters never span bones, at any level (an ablation; it loses bones).
+    pub separate_bones: bool,
+    /// Joints hold the bones together.
+    pub use_joints: bool,
+    /// Target to template pairs are used too (an ablation without).
+    pub both_ways: bool,
+    /// Freedom of bone scales where there is no shape model.
+    pub scale_freedom: ScaleFreedom,
+    /// How scales are held together.
+    pub scales: ScaleOptions,
+    /// At rest when no bone moves more than this share of the template's diagonal in the mean.
+    pub tolerance: f64,
+    /// Iterations per level at most.
+    pub max_iterations: usize,
+    /// Sweeps over the joints in each iteration.
+    pub joint_sweeps: usize,
+    /// Pairs with a smaller cosine of their normals are dropped before the last level.
+    pub min_cosine: f64,
+    /// The same for the last level.
+    pub last_min_cosine: f64,
+    /// Robust distance scale of the last level in median distances.
+    pub robust_factor: f64,
+    /// Spacing of the sampled pairs as a share of the level's cluster radius (0 = use all).
+    pub pair_spacing: f64,
+    /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
+    pub align: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            levels: Levels::Automatic { smallest_in_edges: 4.0 },
+            clustering: Clustering::Sampled { spacing: 0.5 },
+            schedule: Schedule::EveryIteration,
+            refine_bones: true,
+            separate_bones: false,
+            use_joints: true,
+            both_ways: true,
+            scale_freedom: ScaleFreedom::PerAxis,
+            scales: ScaleOptions::default(),
+            tolerance: 1.5e-4,
+            max_iterations: 30,
+            joint_sweeps: 10,
+            min_cosine: -0.2,
+            last_min_cosine: 0.3,
+            robust_factor: 2.5,
+            pair_spacing: 0.125,
+            align: true,
+        }
+    }
+}
+
+impl Options {
+    /// The loop as published: exact clusters, elastic iterations to rest before each update, every
+    /// pair used.
+    pub fn published() -> Self {
+        Self {
+            clustering: Clustering::Exact,
+            schedule: Schedule::AfterElastic,
+            refine_bones: false,
+            min_cosine: -1.0,
+            pair_spacing: 0.0,
+            ..Self::default()
+        }
+    }
+
+    /// Radii of the levels for a template of this diagonal and mean edge.
+    pub fn radii(&self, diagonal: f64, mean_edge: f64) -> Vec<f64> {
+        match &self.levels {
+            Levels::Radii(radii) => radii.clone(),
+            Levels::Automatic { smallest_in_edges } => {
+                let mut radii = vec![f64::INFINITY];
+                let mut radius = diagonal / 3.0;
+                while radius >= smallest_in_edges * mean_edge && radii.len() < 12 {
+                    radii.push(radius);
+                    radius /= 2.0;
+                }
+                radii
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! The rigid start: many rotations tried, the best one kept.
+//!
+//! The method itself wants an orientation within 90 degrees ([G] section 3). Here 24 turns of the
+//! principal axes, and the orientation as given, are each refined by closest points both ways on a
+//! coarse choice of vertices.
+
+use nalgebra::{Isometry3, SymmetricEigen, Translation3, UnitQuaternion};
+use rayon::prelude::*;
+
+use super::pose::{BoneMoments, moved};
+use super::rotation::{PairSums, best_rotation};
+use super::samples::Samples;
+use super::skeleton::Skeleton;
+use super::target::{SearchedSurface, Target, face_normals};
+use crate::locate::ClosestPoints;
+use crate::math::{Mat3, Vec3};
+
+/// Vertices of each side at most, about.
+const SAMPLE_COUNT: f64 = 350.0;
+/// Closest-point rounds for every start, then for the best ones.
+const FIRST_ROUNDS: usize = 8;
+const LAST_ROUNDS: usize = 40;
+/// Starts that are followed to the end.
+const FINALISTS: usize = 4;
+
+struct Alignment<'a> {
+    template: &'a Skeleton,
+    search: ClosestPoints,
+    faces: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    forward: Samples,
+    surface: &'a SearchedSurface,
+    backward: Samples,
+}
+
+/// The rigid motion that carries the template near the target.
+pub(super) fn rigid_start(template: &Skeleton, areas: &[f64], target: &Target) -> Isometry3<f64> {
+    if let Some(motion) = from_labels(template, areas, target) {
+        return motion;
+    }
+    let Some(surface) = target.surfaces.iter().flatten().next() else {
+        return Isometry3::identity();
+    };
+    let spacing = |areas: &[f64]| (areas.iter().sum::<f64>() / SAMPLE_COUNT).sqrt();
+    let alignment = Alignment {
+        template,
+        search: ClosestPoints::new(&template.points, &template.triangles),
+        faces: face_normals(&template.points, &template.triangles),
+        normals: super::correspond::vertex_normals(&template.points, &template.triangles),
+        forward: Samples::new(&template.points, areas, spacing(areas)),
+        surface,
+        backward: Samples::new(&surface.mesh.points, &surface.areas, spacing(&surface.areas)),
+    };
+    let refine = |start: &Isometry3<f64>, rounds| alignment.refined(*start, rounds);
+    let mut found: Vec<(Isometry3<f64>, f64)> =
+        starts(template, areas, target).par_iter().map(|s| refine(s, FIRST_ROUNDS)).collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    found.truncate(FINALISTS);
+    let finals: Vec<_> = found.par_iter().map(|(s, _)| refine(s, LAST_ROUNDS)).collect();
+    let best = finals.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map_or_else(Isometry3::identity, |(motion, _)| motion)
+}
+
+/// Bones' centres on their namesakes' centres, where the target tells three or more bones apart.
+fn from_labels(template: &Skeleton, areas: &[f64], target: &Target) -> Option<Isometry3<f64>> {
+    if !target.labelled || target.surfaces.iter().flatten().count() < 3 {
+        return None;
+    }
+    let mut sums = PairSums::new(*template.points.first()?);
+    for (bone, surface) in template.bones.iter().zip(&target.surfaces) {
+        if let Some(surface) = surface {
+            let range = bone.vertices.clone();
+            let from = BoneMoments::new(&template.points[range.clone()], &areas[range]);
+            let to = BoneMoments::new(&surface.mesh.points, &surface.areas);
+            sums.add(&from.centre, &to.centre, from.mass);
+        }
+    }
+    sums.best_rigid()
+}
+
+/// The orientation as given and the 24 ways to lay one set of principal axes on the other, all with
+/// the centres on each other.
+fn starts(template: &Skeleton, areas: &[f64], target: &Target) -> Vec<Isometry3<f64>> {
+    let (points, target_areas) = target.points_and_areas();
+    let from = BoneMoments::new(&template.points, areas);
+    let to = BoneMoments::new(&points, &target_areas);
+    let centred = |rotation: UnitQuaternion<f64>| {
+        Isometry3::from_parts(Translation3::from(to.centre - rotation * from.centre), rotation)
+    };
+    let (from_axes, to_axes) = (principal_axes(&from.spread), principal_axes(&to.spread));
+    let turned = cube_rotations()
+        .into_iter()
+        .filter_map(|cube| best_rotation(&(to_axes * cube * from_axes.transpose())))
+        .map(centred);
+    let as_given = centred(UnitQuaternion::identity());
+    [Isometry3::identity(), as_given].into_iter().chain(turned).collect()
+}
+
+/// Principal axes as columns of a rotation, by falling spread.
+fn principal_axes(spread: &Mat3) -> Mat3 {
+    let eigen = SymmetricEigen::new(*spread);
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    let (a, b) = (eigen.eigenvectors.column(order[0]), eigen.eigenvectors.column(order[1]));
+    Mat3::from_columns(&[a.into(), b.into(), a.cross(&b)])
+}
+
+/// The 24 rotations that map the coordinate axes onto each other.
+fn cube_rotations() -> Vec<Mat3> {
+    let axis = |k: usize| Vec3::ith(k % 3, if k < 3 { 1.0 } else { -1.0 });
+    let pairs = (0..6).flat_map(|i| (0..6).map(move |j| (axis(i), axis(j))));
+    pairs
+        .filter(|(x, y)| x.dot(y) == 0.0)
+        .map(|(x, y)| Mat3::from_columns(&[x, y, x.cross(&y)]))
+        .collect()
+}
+
+impl Alignment<'_> {
+    /// Rounds of closest points both ways; the motion and the root mean square distance left.
+    fn refined(&self, start: Isometry3<f64>, rounds: usize) -> (Isometry3<f64>, f64) {
+        let mut motion = start;
+        let mut error = f64::INFINITY;
+        for _ in 0..rounds {
+            let (next, now) = self.round(&motion);
+            let Some(next) = next else { break };
+            if now > error * (1.0 - 1e-4) {
+                break;
+            }
+            motion = next;
+            error = now;
+        }
+        (motion, self.round(&motion).1)
+    }
+
+    fn round(&self, motion: &Isometry3<f64>) -> (Option<Isometry3<f64>>, f64) {
+        let mut sums = PairSums::new(Vec3::zeros());
+        let (mut squares, mut weight) = (0.0, 0.0);
+        let mut add = |from: &Vec3, to: &Vec3, cosine: f64, area: f64| {
+            // Pairs that face away from each other count as distant, so that a mirrored start loses.
+            let penalty = if cosine < 0.0 { 4.0 } else { 1.0 };
+            sums.add(from, to, area);
+            squares += penalty * area * (moved(motion, from) - to).norm_squared();
+            weight += area;
+        };
+        for (&i, &area) in self.forward.vertices.iter().zip(&self.forward.areas) {
+            let from = &self.template.points[i as usize];
+            if let Some(hit) = self.surface.search.closest(&moved(motion, from)) {
+                let normal = motion.rotation * self.normals[i as usize];
+                let cosine = normal.dot(&self.surface.face_normals[hit.triangle as usize]);
+                add(from, &hit.position, cosine, area);
+            }
+        }
+        let back = motion.inverse();
+        for (&q, &area) in self.backward.vertices.iter().zip(&self.backward.areas) {
+            let to = &self.surface.mesh.points[q as usize];
+            if let Some(hit) = self.search.closest(&moved(&back, to)) {
+                let normal = motion.rotation * self.faces[hit.triangle as usize];
+                let cosine = normal.dot(&self.surface.vertex_normals[q as usize]);
+                add(&hit.position, to, cosine, area);
+            }
+        }
+        (sums.best_rigid(), if weight > 0.0 { (squares / weight).sqrt() } else { f64::INFINITY })
+    }
+}

@@ -1,0 +1,145 @@
+//! What a registration found, and how well it fits.
+
+use nalgebra::Isometry3;
+use serde::Serialize;
+
+use super::correspond::Correspondences;
+use super::pose::{LimitState, limit_state};
+use super::skeleton::Skeleton;
+use crate::math::Vec3;
+
+/// A registered skeleton.
+#[derive(Clone, Debug)]
+pub struct Registered {
+    /// The person's bones (template vertex order) and joint frames, inside all joint limits.
+    pub skeleton: Skeleton,
+    /// The elastic shape before its joints were put inside their limits.
+    pub elastic_points: Vec<Vec3>,
+    /// Scales of every bone along its principal axes, where no shape model was used.
+    pub scales: Vec<Vec3>,
+    /// How each bone fits.
+    pub bones: Vec<BoneSummary>,
+    /// How each joint stands to its limits.
+    pub joints: Vec<JointSummary>,
+    /// The levels of the loop.
+    pub levels: Vec<LevelTrace>,
+    /// Stopped on request before the end.
+    pub cancelled: bool,
+}
+
+/// The fit of one bone; lengths in the template's unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BoneSummary {
+    /// Name.
+    pub name: String,
+    /// Mean distance of the wanted positions, both ways, weighted by area.
+    pub mean_residual: f64,
+    /// Largest such distance.
+    pub max_residual: f64,
+    /// Share of the bone's area with a valid pair.
+    pub seen: f64,
+    /// Residual more than three times that of the middle bone: perhaps a neighbour's surface.
+    pub suspicious: bool,
+}
+
+/// One joint of the result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointSummary {
+    /// Name.
+    pub name: String,
+    /// Joint centre (mean of the two joint points), template unit.
+    pub centre: Vec3,
+    /// Rotation vector of the child frame seen from the parent frame, radians.
+    pub rotation: Vec3,
+    /// Share of the rotation ellipsoid used; 1 = on the limit.
+    pub usage: f64,
+    /// Rotation beyond the limit, degrees.
+    pub excess_degrees: f64,
+    /// Distance of the two joint points, template unit.
+    pub shift: f64,
+    /// Shift beyond the limit, template unit.
+    pub excess_shift: f64,
+}
+
+/// One level of the loop.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LevelTrace {
+    /// Cluster radius, template unit.
+    pub radius: f64,
+    /// Closest-point iterations.
+    pub iterations: usize,
+    /// Updates of reference shape and pose among them.
+    pub updates: usize,
+    /// Mean distance of the pairs in the last iteration.
+    pub mean_distance: f64,
+}
+
+impl Registered {
+    pub(super) fn new(
+        template: &Skeleton,
+        skeleton: Skeleton,
+        elastic_points: Vec<Vec3>,
+        scales: Vec<Vec3>,
+        pairs: &Correspondences,
+        levels: Vec<LevelTrace>,
+        cancelled: bool,
+    ) -> Self {
+        let mut bones: Vec<BoneSummary> =
+            (0..template.bones.len()).map(|b| bone_summary(&skeleton, b, pairs)).collect();
+        let mut residuals: Vec<f64> = bones.iter().map(|b| b.mean_residual).collect();
+        residuals.sort_by(f64::total_cmp);
+        let middle = residuals[residuals.len() / 2];
+        for bone in &mut bones {
+            bone.suspicious = bone.mean_residual > 3.0 * middle;
+        }
+        let joints = joint_summaries(&skeleton);
+        Self { skeleton, elastic_points, scales, bones, joints, levels, cancelled }
+    }
+
+    /// Closest-point iterations of all levels.
+    pub fn iterations(&self) -> usize {
+        self.levels.iter().map(|l| l.iterations).sum()
+    }
+}
+
+fn bone_summary(skeleton: &Skeleton, b: usize, pairs: &Correspondences) -> BoneSummary {
+    let bone = &skeleton.bones[b];
+    let (mut sum, mut weight, mut most, mut seen) = (0.0, 0.0, 0.0_f64, 0.0);
+    for i in bone.vertices.clone() {
+        let distance = (pairs.wanted[i] - skeleton.points[i]).norm();
+        sum += pairs.weight[i] * distance;
+        weight += pairs.weight[i];
+        most = most.max(distance);
+        seen += pairs.trust[i];
+    }
+    BoneSummary {
+        name: bone.name.clone(),
+        mean_residual: if weight > 0.0 { sum / weight } else { 0.0 },
+        max_residual: most,
+        seen: seen / bone.vertices.len().max(1) as f64,
+        suspicious: false,
+    }
+}
+
+fn joint_summaries(skeleton: &Skeleton) -> Vec<JointSummary> {
+    let still = Isometry3::identity();
+    skeleton
+        .joints
+        .iter()
+        .map(|joint| {
+            let transform = joint.transform(&still, &still);
+            let LimitState { rotation_usage, rotation_excess, shift, shift_excess } =
+                limit_state(&joint.limits, &transform);
+            let (a, b) = (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
+            JointSummary {
+                name: joint.name.clone(),
+                centre: (a + b) / 2.0,
+                rotation: super::rotation::rotation_vector(&transform.rotation),
+                usage: rotation_usage,
+                excess_degrees: rotation_excess.to_degrees(),
+                shift,
+                excess_shift: shift_excess,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,93 @@
+//! One person's bones as seen: a surface of all bones together, or one surface per bone.
+
+use super::areas::vertex_areas;
+use super::skeleton::Skeleton;
+use crate::error::{Error, Result};
+use crate::locate::ClosestPoints;
+use crate::math::Vec3;
+use crate::mesh::TriMesh;
+
+/// A surface with what the search for closest points needs.
+#[derive(Clone, Debug)]
+pub(super) struct SearchedSurface {
+    pub(super) mesh: TriMesh,
+    pub(super) search: ClosestPoints,
+    pub(super) areas: Vec<f64>,
+    pub(super) vertex_normals: Vec<Vec3>,
+    pub(super) face_normals: Vec<Vec3>,
+}
+
+impl SearchedSurface {
+    fn new(mesh: TriMesh) -> Self {
+        Self {
+            search: ClosestPoints::new(&mesh.points, &mesh.triangles),
+            areas: vertex_areas(&mesh.points, &mesh.triangles),
+            vertex_normals: mesh.vertex_normals(),
+            face_normals: face_normals(&mesh.points, &mesh.triangles),
+            mesh,
+        }
+    }
+}
+
+/// Unit normals of triangles; zero where a triangle has no area.
+pub(super) fn face_normals(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| points[v as usize]);
+            (b - a).cross(&(c - a)).try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
+        })
+        .collect()
+}
+
+/// What the skeleton is registered to.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// One surface for all bones, or one (or none) for each bone.
+    pub(super) surfaces: Vec<Option<SearchedSurface>>,
+    pub(super) labelled: bool,
+}
+
+impl Target {
+    /// One surface of the whole skeleton; bones may be fused. It may be open and noisy but its
+    /// triangles must be oriented outwards.
+    pub fn whole(surface: TriMesh) -> Result<Self> {
+        if surface.triangles.is_empty() {
+            return Err(Error::invalid("the target surface has no triangles"));
+        }
+        Ok(Self { surfaces: vec![Some(SearchedSurface::new(surface))], labelled: false })
+    }
+
+    /// A surface for each named bone; bones that are not named have no data of their own and follow
+    /// their joints.
+    pub fn per_bone(skeleton: &Skeleton, surfaces: Vec<(String, TriMesh)>) -> Result<Self> {
+        let mut of_bone: Vec<Option<SearchedSurface>> = vec![None; skeleton.bones.len()];
+        for (name, mesh) in surfaces {
+            let b = skeleton.bone_index(&name).ok_or_else(|| {
+                Error::invalid(format!("the target names a bone {name} that the skeleton does not have"))
+            })?;
+            if mesh.triangles.is_empty() {
+                return Err(Error::invalid(format!("the target surface of bone {name} has no triangles")));
+            }
+            if of_bone[b].replace(SearchedSurface::new(mesh)).is_some() {
+                return Err(Error::invalid(format!("the target gives bone {name} twice")));
+            }
+        }
+        if of_bone.iter().all(Option::is_none) {
+            return Err(Error::invalid("the target names no bone of the skeleton"));
+        }
+        Ok(Self { surfaces: of_bone, labelled: true })
+    }
+
+    /// Whether the target tells the bones apart.
+    pub fn is_labelled(&self) -> bool {
+        self.labelled
+    }
+
+    /// All vertices with their areas, for a first rigid alignment.
+    pub(super) fn points_and_areas(&self) -> (Vec<Vec3>, Vec<f64>) {
+        let surfaces = self.surfaces.iter().flatten();
+        let points = surfaces.clone().flat_map(|s| s.mesh.points.iter().copied()).collect();
+        (points, surfaces.flat_map(|s| s.areas.iter().copied()).collect())
+    }
+}
