@@ -22,6 +22,8 @@ mod obj_write;
 mod pairs;
 mod picked_points;
 mod ply;
+pub mod skeleton;
+mod skeleton_hinges;
 mod stl;
 mod surface;
 mod table;

@@ -10,6 +10,7 @@ mod output;
 mod report;
 mod reshape_job;
 mod result;
+pub mod skeleton_build;
 mod spec;
 
 pub use attach::AttachmentPair;

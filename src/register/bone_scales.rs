@@ -13,8 +13,8 @@ use super::rotation::PairSums;
 use super::skeleton::Skeleton;
 use crate::math::{Mat3, Vec3};
 
-/// Rounds of fitting pose and scale in turn.
-const ROUNDS: usize = 4;
+/// Rounds of fitting pose and scale in turn; the main loop goes on from the scales found.
+const ROUNDS: usize = 1;
 
 /// How freely bones scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -83,15 +83,17 @@ impl BoneScales {
         Self { bones, options }
     }
 
-    /// The scales of every bone that bring the template nearest to `wanted` under vertex `masses`.
+    /// The scales of every bone that bring the template nearest to `wanted` under vertex `masses`,
+    /// starting from the scales `start`; `pull` multiplies the pulls of the options.
     pub fn fit(
         &self,
         template: &Skeleton,
         wanted: &[Vec3],
         masses: &[f64],
-        freedom: ScaleFreedom,
+        start: &[Vec3],
+        (freedom, pull): (ScaleFreedom, f64),
     ) -> Vec<Vec3> {
-        let mut scales = vec![Vec3::repeat(1.0); self.bones.len()];
+        let mut scales = start.to_vec();
         if freedom == ScaleFreedom::Fixed {
             return scales;
         }
@@ -100,7 +102,7 @@ impl BoneScales {
                 .into_par_iter()
                 .map(|b| self.bone_fit(template, b, &scales[b], wanted, masses))
                 .collect();
-            scales = self.update(&fits, freedom);
+            scales = self.update(&fits, freedom, pull);
         }
         scales
     }
@@ -139,7 +141,7 @@ impl BoneScales {
         fit
     }
 
-    fn update(&self, fits: &[BoneFit], freedom: ScaleFreedom) -> Vec<Vec3> {
+    fn update(&self, fits: &[BoneFit], freedom: ScaleFreedom, strength: f64) -> Vec<Vec3> {
         let total_xx: f64 = fits.iter().map(|f| f.xx.sum()).sum();
         let total_xy: f64 = fits.iter().map(|f| f.xy.sum()).sum();
         let whole = if total_xx > 0.0 { (total_xy / total_xx).max(1e-3) } else { 1.0 };
@@ -152,13 +154,13 @@ impl BoneScales {
                 if freedom == ScaleFreedom::Whole || xx <= 0.0 {
                     return Vec3::repeat(whole);
                 }
-                let pull = self.options.bone_pull * xx;
+                let pull = strength * self.options.bone_pull * xx;
                 let bone = held((fit.xy.sum() + pull * whole) / (xx + pull));
                 if freedom == ScaleFreedom::PerBone {
                     return Vec3::repeat(bone);
                 }
                 Vec3::from_fn(|k, _| {
-                    let pull = self.options.axis_pull * fit.xx[k] + 1e-9 * xx;
+                    let pull = strength * self.options.axis_pull * fit.xx[k] + 1e-9 * xx;
                     held((fit.xy[k] + pull * bone) / (fit.xx[k] + pull))
                 })
             })
@@ -174,13 +176,11 @@ impl BoneScales {
 
     /// The template's points after scaling, each bone about its own centre.
     pub fn shape(&self, template: &Skeleton, scales: &[Vec3]) -> Vec<Vec3> {
-        let mut shape = template.points.clone();
-        for (b, bone) in template.bones.iter().enumerate() {
-            for p in &mut shape[bone.vertices.clone()] {
-                *p = self.scaled(b, p, &scales[b]);
-            }
-        }
-        shape
+        let shapes = template.bones.par_iter().enumerate().map(|(b, bone)| {
+            let points = &template.points[bone.vertices.clone()];
+            points.iter().map(|p| self.scaled(b, p, &scales[b])).collect::<Vec<_>>()
+        });
+        shapes.collect::<Vec<_>>().concat()
     }
 }
 
@@ -192,14 +192,11 @@ pub fn put_in_place(
     areas: &[f64],
 ) -> Vec<Vec3> {
     let motions = super::pose::rigid_targets(skeleton, shape, place, areas);
-    let mut placed = shape.to_vec();
-    for (bone, motion) in skeleton.bones.iter().zip(motions) {
+    let placed = skeleton.bones.par_iter().zip(motions).map(|(bone, motion)| {
         let motion = motion.unwrap_or_else(Isometry3::identity);
-        for p in &mut placed[bone.vertices.clone()] {
-            *p = moved(&motion, p);
-        }
-    }
-    placed
+        shape[bone.vertices.clone()].iter().map(|p| moved(&motion, p)).collect::<Vec<_>>()
+    });
+    placed.collect::<Vec<_>>().concat()
 }
 
 #[cfg(test)]
@@ -222,14 +219,22 @@ mod tests {
             .iter()
             .map(|p| moved(&motion, &Vec3::new(p.x * 1.2, p.y * 0.9, p.z)))
             .collect();
-        let scales = model.fit(&template, &wanted, &areas, ScaleFreedom::PerAxis);
+        let fit = |masses: &[f64]| {
+            let mut scales = vec![Vec3::repeat(1.0); 2];
+            for _ in 0..10 {
+                let how = (ScaleFreedom::PerAxis, 1.0);
+                scales = model.fit(&template, &wanted, masses, &scales, how);
+            }
+            scales
+        };
+        let scales = fit(&areas);
         let shape = put_in_place(&template, &model.shape(&template, &scales), &wanted, &areas);
         let worst = shape.iter().zip(&wanted).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
         assert!(worst < 1e-6, "{worst}");
         // Without mass a bone takes the scale of the skeleton.
         let mut masses = areas.clone();
         masses[template.bones[1].vertices.clone()].fill(0.0);
-        let scales = model.fit(&template, &wanted, &masses, ScaleFreedom::PerAxis);
+        let scales = fit(&masses);
         assert!((scales[1].x - scales[1].z).abs() < 1e-12 && (scales[1].x - 1.19).abs() < 0.05);
     }
 }

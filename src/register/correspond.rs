@@ -37,8 +37,22 @@ pub struct Correspondences {
     pub weight: Vec<f64>,
     /// Share of the pairs' weight that was kept, 0 (no data) to 1.
     pub trust: Vec<f64>,
+    /// Weight of all pairs at each vertex, dropped ones too.
+    pub offered: Vec<f64>,
+    /// That weight times the squared pair distances.
+    pub squares: Vec<f64>,
     /// Mean distance of the kept pairs, weighted by area.
     pub mean_distance: f64,
+    /// Root mean square distance of all pairs, dropped ones too, weighted by area.
+    pub rms_distance: f64,
+}
+
+impl Correspondences {
+    /// Root mean square distance of all pairs of some vertices; NaN without pairs.
+    pub fn rms_over(&self, vertices: Range<usize>) -> f64 {
+        let squares: f64 = self.squares[vertices.clone()].iter().sum();
+        (squares / self.offered[vertices].iter().sum::<f64>()).sqrt()
+    }
 }
 
 /// A part of the template that is searched as one: everything, or one bone.
@@ -74,12 +88,12 @@ struct Pair {
 impl<'a> Correspond<'a> {
     /// Prepares the search with vertices of both sides about `spacing` apart (0 = all).
     pub(super) fn new(
-        skeleton: &Skeleton,
-        triangles: &'a [[u32; 3]],
+        skeleton: &'a Skeleton,
         areas: &[f64],
         target: &'a Target,
         spacing: f64,
     ) -> Self {
+        let triangles = &skeleton.triangles;
         let parts: Vec<_> = if target.labelled {
             skeleton.bones.iter().map(|b| (b.vertices.clone(), b.triangles.clone())).collect()
         } else {
@@ -132,6 +146,7 @@ impl<'a> Correspond<'a> {
         let mut kept = vec![0.0; self.vertex_count];
         let mut offered = vec![0.0; self.vertex_count];
         let (mut distance, mut weight_sum) = (0.0, 0.0);
+        let mut squares = vec![0.0; self.vertex_count];
         for pair in pairs {
             let trust = pair.trust(rules.min_cosine, scale);
             distance += trust * pair.area * pair.pull.norm();
@@ -139,6 +154,7 @@ impl<'a> Correspond<'a> {
             for (v, weight, vector) in pair.pulls() {
                 let v = v as usize;
                 offered[v] += weight;
+                squares[v] += weight * vector.norm_squared();
                 kept[v] += trust * weight;
                 pull[v] += trust * weight * vector;
             }
@@ -146,10 +162,13 @@ impl<'a> Correspond<'a> {
         let wanted = (0..self.vertex_count)
             .map(|i| if kept[i] > 0.0 { points[i] + pull[i] / kept[i] } else { points[i] })
             .collect();
-        let share = |(kept, offered): (&f64, &f64)| if *offered > 0.0 { kept / offered } else { 0.0 };
+        let share =
+            |(kept, offered): (&f64, &f64)| if *offered > 0.0 { kept / offered } else { 0.0 };
         let trust: Vec<f64> = kept.iter().zip(&offered).map(share).collect();
         let mean_distance = if weight_sum > 0.0 { distance / weight_sum } else { f64::NAN };
-        Correspondences { wanted, weight: kept, trust, mean_distance }
+        let area: f64 = offered.iter().sum();
+        let rms_distance = (squares.iter().sum::<f64>() / area).sqrt();
+        Correspondences { wanted, weight: kept, trust, offered, squares, mean_distance, rms_distance }
     }
 }
 
@@ -162,13 +181,16 @@ impl Group {
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
         let samples = &self.forward;
-        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(move |(&i, &area)| {
-            let found = surface.search.closest(&local[i as usize])?;
-            let cosine = normals[i as usize].dot(&surface.face_normals[found.triangle as usize]);
-            let v = i + self.vertices.start as u32;
-            let pull = found.position - local[i as usize];
-            Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine })
-        })
+        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(
+            move |(&i, &area)| {
+                let found = surface.search.closest(&local[i as usize])?;
+                let cosine =
+                    normals[i as usize].dot(&surface.face_normals[found.triangle as usize]);
+                let v = i + self.vertices.start as u32;
+                let pull = found.position - local[i as usize];
+                Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine })
+            },
+        )
     }
 
     /// Target vertices to the template surface, shared out to the corners of the triangle hit.
@@ -178,15 +200,18 @@ impl Group {
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
         let samples = &self.backward;
-        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(move |(&q, &area)| {
-            let goal = surface.mesh.points[q as usize];
-            let SurfacePoint { triangle, barycentric, position, .. } = self.search.closest(&goal)?;
-            let cosine =
-                surface.vertex_normals[q as usize].dot(&face_normals[triangle as usize]);
-            let first = self.vertices.start as u32;
-            let vertices = self.triangles[triangle as usize].map(|v| v + first);
-            Some(Pair { vertices, shares: barycentric, area, pull: goal - position, cosine })
-        })
+        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(
+            move |(&q, &area)| {
+                let goal = surface.mesh.points[q as usize];
+                let SurfacePoint { triangle, barycentric, position, .. } =
+                    self.search.closest(&goal)?;
+                let cosine =
+                    surface.vertex_normals[q as usize].dot(&face_normals[triangle as usize]);
+                let first = self.vertices.start as u32;
+                let vertices = self.triangles[triangle as usize].map(|v| v + first);
+                Some(Pair { vertices, shares: barycentric, area, pull: goal - position, cosine })
+            },
+        )
     }
 }
 

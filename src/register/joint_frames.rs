@@ -5,6 +5,7 @@
 //! paper's 1/distance hardly localises on a surface.
 
 use nalgebra::{Isometry3, Translation3};
+use rayon::prelude::*;
 
 use super::pose::moved;
 use super::rotation::{PairSums, renormalized};
@@ -46,15 +47,17 @@ pub fn follow_shape(
 /// Lets all joint frames of `skeleton` follow the change of its bones to `after`, and takes the
 /// new points.
 pub fn take_shape(skeleton: &mut Skeleton, after: Vec<Vec3>, areas: &[f64]) {
-    for j in 0..skeleton.joints.len() {
-        let joint = &skeleton.joints[j];
-        let follow = |b: usize, frame: &Isometry3<f64>| {
-            follow_shape(skeleton, b, frame, [&skeleton.points, &after], areas)
-        };
-        let parent_frame = follow(joint.parent, &joint.parent_frame);
-        let child_frame = follow(joint.child, &joint.child_frame);
-        skeleton.joints[j].parent_frame = parent_frame;
-        skeleton.joints[j].child_frame = child_frame;
+    let follow = |b: usize, frame: &Isometry3<f64>| {
+        follow_shape(skeleton, b, frame, [&skeleton.points, &after], areas)
+    };
+    let frames: Vec<[Isometry3<f64>; 2]> = skeleton
+        .joints
+        .par_iter()
+        .map(|j| [follow(j.parent, &j.parent_frame), follow(j.child, &j.child_frame)])
+        .collect();
+    for (joint, [parent_frame, child_frame]) in skeleton.joints.iter_mut().zip(frames) {
+        joint.parent_frame = parent_frame;
+        joint.child_frame = child_frame;
     }
     skeleton.points = after;
 }

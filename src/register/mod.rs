@@ -18,6 +18,7 @@ pub mod joint_limits;
 mod neighbours;
 pub mod options;
 pub mod pose;
+mod pose_starts;
 mod prealign;
 pub mod registration;
 pub mod rotation;

@@ -1,20 +1,47 @@
 //! All pairs of points nearer than a radius, through a hash grid.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use crate::math::Vec3;
+
+/// A fast hash of cell numbers; nobody can choose them to our harm beyond making a search slow.
+#[derive(Default)]
+struct CellHasher(u64);
+
+impl Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u64(u64::from(byte));
+        }
+    }
+
+    fn write_u64(&mut self, x: u64) {
+        self.0 = (self.0.rotate_left(5) ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn write_i64(&mut self, x: i64) {
+        self.write_u64(x as u64);
+    }
+}
+
+type Cells = HashMap<(i64, i64, i64), Vec<u32>, BuildHasherDefault<CellHasher>>;
 
 /// Points sorted into cubes of one size.
 pub(super) struct PointGrid<'a> {
     points: &'a [Vec3],
     size: f64,
-    cells: HashMap<[i64; 3], Vec<u32>>,
+    cells: Cells,
 }
 
 impl<'a> PointGrid<'a> {
     /// A grid for searches up to `radius`, which must be positive and finite.
     pub(super) fn new(points: &'a [Vec3], radius: f64) -> Self {
-        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        let mut cells = Cells::default();
         for (i, p) in points.iter().enumerate() {
             cells.entry(cell(p, radius)).or_default().push(i as u32);
         }
@@ -23,7 +50,7 @@ impl<'a> PointGrid<'a> {
 
     /// An empty grid over the same points; fill it with [`Self::insert`].
     pub(super) fn empty(points: &'a [Vec3], radius: f64) -> Self {
-        Self { points, size: radius, cells: HashMap::new() }
+        Self { points, size: radius, cells: Cells::default() }
     }
 
     /// Adds point `i`.
@@ -37,7 +64,7 @@ impl<'a> PointGrid<'a> {
         let mut found = Vec::new();
         for offset in 0..27 {
             let step = [offset / 9 - 1, offset / 3 % 3 - 1, offset % 3 - 1];
-            let key = std::array::from_fn(|k| centre[k] + step[k]);
+            let key = (centre.0 + step[0], centre.1 + step[1], centre.2 + step[2]);
             for &i in self.cells.get(&key).into_iter().flatten() {
                 if (self.points[i as usize] - p).norm_squared() <= self.size * self.size {
                     found.push(i);
@@ -49,6 +76,7 @@ impl<'a> PointGrid<'a> {
     }
 }
 
-fn cell(p: &Vec3, size: f64) -> [i64; 3] {
-    std::array::from_fn(|k| (p[k] / size).floor() as i64)
+fn cell(p: &Vec3, size: f64) -> (i64, i64, i64) {
+    let along = |k: usize| (p[k] / size).floor() as i64;
+    (along(0), along(1), along(2))
 }

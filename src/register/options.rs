@@ -45,8 +45,11 @@ pub struct Options {
     pub clustering: Clustering,
     /// When shape and pose are updated.
     pub schedule: Schedule,
-    /// A last level with clusters bone by bone, stricter normals and robust weights.
+    /// Last levels with clusters bone by bone, stricter normals and robust weights.
     pub refine_bones: bool,
+    /// Their smallest radius in mean edge lengths, halving from the last joint level. Smaller follows
+    /// the target more closely, noise too.
+    pub finest_in_edges: f64,
     /// Clusters never span bones, at any level (an ablation; it loses bones).
     pub separate_bones: bool,
     /// Joints hold the bones together.
@@ -71,6 +74,14 @@ pub struct Options {
     pub robust_factor: f64,
     /// Spacing of the sampled pairs as a share of the level's cluster radius (0 = use all).
     pub pair_spacing: f64,
+    /// Largest spacing of the sampled pairs, as a share of the template's diagonal.
+    pub coarsest_pairs: f64,
+    /// Starting poses that are tried, as shares of the way from the template's pose to the middle of
+    /// the joints' ranges.
+    pub pose_starts: Vec<f64>,
+    /// At the end, joint points of two bones up to this many shift limits apart are joined in their
+    /// middle instead of pulling the bones off the data (1 = pull the bones).
+    pub seat_factor: f64,
     /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
 }
@@ -82,6 +93,7 @@ impl Default for Options {
             clustering: Clustering::Sampled { spacing: 0.5 },
             schedule: Schedule::EveryIteration,
             refine_bones: true,
+            finest_in_edges: 1.2,
             separate_bones: false,
             use_joints: true,
             both_ways: true,
@@ -94,6 +106,9 @@ impl Default for Options {
             last_min_cosine: 0.3,
             robust_factor: 2.5,
             pair_spacing: 0.125,
+            coarsest_pairs: 0.02,
+            pose_starts: vec![0.0],
+            seat_factor: 3.0,
             align: true,
         }
     }

@@ -4,6 +4,7 @@
 //! a joint costs the same for any number of vertices.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
+use rayon::prelude::*;
 
 use super::joint_limits::JointLimits;
 use super::rotation::{PairSums, best_rotation, renormalized, rotation_vector, turned_about};
@@ -230,7 +231,7 @@ pub fn rigid_targets(
 ) -> Vec<Option<Isometry3<f64>>> {
     skeleton
         .bones
-        .iter()
+        .par_iter()
         .map(|bone| {
             let mut sums = PairSums::new(reference[bone.vertices.start]);
             for i in bone.vertices.clone() {
@@ -243,4 +244,123 @@ pub fn rigid_targets(
 
 pub(super) fn moved(motion: &Isometry3<f64>, point: &Vec3) -> Vec3 {
     (motion * Point3::from(*point)).coords
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::locate::test_shapes::Noise;
+    use crate::register::areas::vertex_areas;
+    use crate::register::skeleton::tests::{block, joint_at};
+
+    /// A ring of five bones joined to a loop, with a sixth on a hinge; each joint with its limits.
+    fn ring() -> (Skeleton, Vec<BoneMoments>) {
+        let limits = |n: [f64; 3], p: [f64; 3]| {
+            let radians = |v: [f64; 3]| Vec3::from(v).map(f64::to_radians);
+            JointLimits::new(radians(n), radians(p), 0.3).unwrap()
+        };
+        let centre = |k: f64| {
+            let angle = k / 5.0 * std::f64::consts::TAU;
+            Vec3::new(angle.cos(), angle.sin(), 0.0) * 10.0
+        };
+        let mut surfaces: Vec<_> = (0..5)
+            .map(|k| (format!("b{k}"), block(centre(f64::from(k)), Vec3::new(4.0, 2.0, 1.0), 3)))
+            .collect();
+        surfaces.push(("tip".into(), block(Vec3::new(20.0, 0.0, 0.0), Vec3::new(5.0, 1.0, 1.0), 3)));
+        let mut joints: Vec<_> = (0..5)
+            .map(|k| {
+                let bones = [k, (k + 1) % 5];
+                let small = limits([8.0, 5.0, 3.0], [8.0, 5.0, 3.0]);
+                joint_at(&format!("j{k}"), bones, centre(k as f64 + 0.5), small)
+            })
+            .collect();
+        let hinge = limits([20.0, 0.0, 0.0], [90.0, 0.0, 0.0]);
+        joints.push(joint_at("tip", [0, 5], Vec3::new(14.5, 0.0, 0.0), hinge));
+        let skeleton = Skeleton::new(surfaces, joints).unwrap();
+        let areas = vertex_areas(&skeleton.points, &skeleton.triangles);
+        let moments = skeleton
+            .bones
+            .iter()
+            .map(|b| {
+                let range = b.vertices.clone();
+                BoneMoments::new(&skeleton.points[range.clone()], &areas[range])
+            })
+            .collect();
+        (skeleton, moments)
+    }
+
+    fn disturbed(noise: &mut Noise, moments: &[BoneMoments], degrees: f64) -> Vec<Isometry3<f64>> {
+        moments
+            .iter()
+            .map(|m| {
+                let turn = UnitQuaternion::from_scaled_axis(noise.vector() * degrees.to_radians());
+                let moved = turned_about(&Isometry3::identity(), &m.centre, turn);
+                Translation3::from(noise.vector() * 1.5) * moved
+            })
+            .collect()
+    }
+
+    fn worst(skeleton: &Skeleton, pose: &[Isometry3<f64>]) -> (f64, f64) {
+        let states = skeleton
+            .joints
+            .iter()
+            .map(|j| limit_state(&j.limits, &j.transform(&pose[j.parent], &pose[j.child])));
+        states.fold((0.0, 0.0), |(angle, shift), s| {
+            (f64::max(angle, s.rotation_excess.to_degrees()), f64::max(shift, s.shift_excess))
+        })
+    }
+
+    #[test]
+    fn disturbed_bones_come_inside_their_limits_around_a_loop() {
+        let (skeleton, moments) = ring();
+        let mut noise = Noise::new(11);
+        for degrees in [10.0, 25.0] {
+            let targets = disturbed(&mut noise, &moments, degrees);
+            let before = worst(&skeleton, &targets);
+            let ten = project_pose(&skeleton, &moments, &targets, 10);
+            let after = worst(&skeleton, &ten.transforms);
+            assert!(before.0 > 3.0 && after.0 < 0.25 && after.1 < 0.03, "{before:?} {after:?}");
+            let fifty = project_pose(&skeleton, &moments, &targets, 50);
+            let late = worst(&skeleton, &fifty.transforms);
+            assert!(late.0 < 0.01 && late.1 < 0.001, "{late:?}");
+            for t in &fifty.transforms {
+                let r = t.rotation.to_rotation_matrix().into_inner();
+                assert!((r.transpose() * r - Mat3::identity()).norm() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn an_admissible_pose_stays_and_a_tree_settles_exactly() {
+        let (skeleton, moments) = ring();
+        let still = vec![Isometry3::identity(); 6];
+        let kept = project_pose(&skeleton, &moments, &still, 10);
+        assert_eq!((kept.sweeps, kept.violated), (0, 0));
+        assert_eq!(kept.transforms, still);
+        let mut pose = disturbed(&mut Noise::new(5), &moments, 30.0);
+        settle_tree(&skeleton, 0, &mut pose);
+        let hinge = &skeleton.joints[5];
+        let state = limit_state(&hinge.limits, &hinge.transform(&pose[0], &pose[5]));
+        assert!(state.rotation_excess < 1e-9 && state.shift_excess < 1e-9);
+    }
+
+    #[test]
+    fn the_projection_moves_little_more_than_the_best_pose() {
+        // One joint with a shift limit only: the optimum is known, both bones share the way.
+        let (skeleton, moments) = ring();
+        let mut two = skeleton.clone();
+        two.joints = vec![skeleton.joints[5].clone()];
+        two.joints[0].limits =
+            JointLimits::new(Vec3::repeat(9.0), Vec3::repeat(9.0), 0.0).unwrap();
+        let mut targets = vec![Isometry3::identity(); 6];
+        targets[5] = Isometry3::translation(2.0, 0.0, 0.0);
+        let found = project_pose(&two, &moments, &targets, 10);
+        let moved = |b: usize| {
+            let d = targets[b].translation.vector - found.transforms[b].translation.vector;
+            moments[b].mass * d.norm_squared()
+        };
+        let (m, n) = (moments[0].mass, moments[5].mass);
+        let best = m * n / (m + n) * 4.0;
+        assert!(moved(0) + moved(5) <= 1.08 * best, "{} {best}", moved(0) + moved(5));
+    }
 }

@@ -5,6 +5,7 @@
 //! the template's size, and a last level works bone by bone.
 
 use nalgebra::Isometry3;
+use rayon::prelude::*;
 
 use super::areas::{mean_edge, vertex_areas};
 use super::bone_scales::{BoneScales, ScaleFreedom, put_in_place};
@@ -14,10 +15,11 @@ use super::fast_sums::FastSums;
 use super::joint_frames::take_shape;
 use super::options::{Clustering, Options, Schedule};
 use super::pose::{BoneMoments, project_pose, rigid_targets, settle_tree};
+use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_start;
 use super::sampled_clusters::SampledClusters;
-use super::skeleton::Skeleton;
-use super::summary::{LevelTrace, Registered};
+use super::skeleton::{Joint, Skeleton};
+use super::summary::{Found, LevelTrace, Registered};
 use super::target::Target;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -28,6 +30,23 @@ use crate::run::Run;
 const UNSEEN_WEIGHT: f64 = 1e-6;
 /// Sweeps over the joints at the end, so that loops close as well.
 const FINAL_SWEEPS: usize = 100;
+/// Updates that tell a good starting pose from a bad one.
+const START_UPDATES: usize = 10;
+/// Factor of the pull between bone scales from each level to the next coarser one: as long as bones
+/// may lie on their neighbours, they must not change their length for it.
+const EARLY_PULL: f64 = 3.0;
+/// A pose replaces another only when the pairs' distance falls to this share.
+const CLEARLY_BETTER: f64 = 0.95;
+/// Rounds of repair.
+const REPAIR_ROUNDS: usize = 3;
+/// A bone is tried in other poses when it fits this many times worse than the middle bone.
+const BAD_FIT: f64 = 2.5;
+/// And this far from its surface, as a share of the template's diagonal.
+const BAD_DISTANCE: f64 = 0.005;
+/// Poses tried, as shares of the way to the middle of the range.
+const REPAIR_SHARES: [f64; 5] = [0.0, 0.4, 0.8, 1.2, 1.6];
+/// Spacing of the pairs meanwhile, as a share of the template's diagonal.
+const START_SPACING: f64 = 0.03;
 
 /// A template prepared for registration to many targets.
 #[derive(Clone, Debug)]
@@ -39,6 +58,8 @@ pub struct Registration {
     options: Options,
     levels: Vec<Level>,
     scales: BoneScales,
+    /// The heaviest bone.
+    root: usize,
 }
 
 /// One cluster size with its rules.
@@ -48,16 +69,25 @@ struct Level {
     elastic: Elastic,
     rules: PairRules,
     freedom: ScaleFreedom,
+    /// Strength of the pull of bone scales towards each other against the final one.
+    scale_pull: f64,
     spacing: f64,
 }
 
 /// What the loop changes.
+#[derive(Clone)]
 struct State {
     /// Reference points and joint frames.
     reference: Skeleton,
     /// The deformed points.
     points: Vec<Vec3>,
     scales: Vec<Vec3>,
+}
+
+/// Distances of the pairs, dropped ones too.
+struct Misfit {
+    rms: f64,
+    of_bone: Vec<f64>,
 }
 
 /// Registers `template` to `target` in one call.
@@ -83,7 +113,11 @@ impl Registration {
         let bone_of = template.bone_of_vertex();
         let scales = BoneScales::new(&template, &areas, options.scales);
         let mut registration =
-            Self { template, areas, bone_of, diagonal, options, levels: Vec::new(), scales };
+            Self { template, areas, bone_of, diagonal, options, levels: Vec::new(), scales, root: 0 };
+        let masses = moments(&registration.template, &registration.areas);
+        registration.root = (0..masses.len())
+            .max_by(|&a, &b| masses[a].mass.total_cmp(&masses[b].mass))
+            .unwrap_or(0);
         registration.levels = registration.make_levels()?;
         Ok(registration)
     }
@@ -103,12 +137,18 @@ impl Registration {
             };
             let rules = self.rules(self.options.min_cosine, None);
             levels.push(self.level(radius, freedom, rules, self.options.separate_bones)?);
+            levels[k].scale_pull = EARLY_PULL.powi((radii.len() - 1 - k).min(3) as i32);
         }
-        let finest = radii[radii.len() - 1];
-        if self.options.refine_bones && finest.is_finite() {
+        let mut radius = radii[radii.len() - 1];
+        let finest = self.options.finest_in_edges * edge;
+        while self.options.refine_bones && radius.is_finite() {
             let rules =
                 self.rules(self.options.last_min_cosine, Some(self.options.robust_factor));
-            levels.push(self.level(finest, ScaleFreedom::PerAxis, rules, true)?);
+            levels.push(self.level(radius, ScaleFreedom::PerAxis, rules, true)?);
+            radius /= 2.0;
+            if radius < finest {
+                break;
+            }
         }
         Ok(levels)
     }
@@ -136,16 +176,22 @@ impl Registration {
             Clustering::Exact if !bones_apart => {
                 Elastic::Exact(FastSums::new(points, triangles, radius)?)
             }
-            Clustering::Exact => {
-                Elastic::Sampled(SampledClusters::new(points, radius.min(self.diagonal), 0.25, bone_of))
-            }
-            Clustering::Sampled { spacing } => {
-                Elastic::Sampled(SampledClusters::new(points, radius.min(self.diagonal), spacing, bone_of))
-            }
+            Clustering::Exact => Elastic::Sampled(SampledClusters::new(
+                points,
+                radius.min(self.diagonal),
+                0.25,
+                bone_of,
+            )),
+            Clustering::Sampled { spacing } => Elastic::Sampled(SampledClusters::new(
+                points,
+                radius.min(self.diagonal),
+                spacing,
+                bone_of,
+            )),
         };
         let freedom = freedom.min(self.options.scale_freedom);
-        let reach = radius.min(self.diagonal / 3.0);
-        Ok(Level { radius, elastic, rules, freedom, spacing: self.options.pair_spacing * reach })
+        let spacing = (self.options.pair_spacing * radius).min(self.options.coarsest_pairs * self.diagonal);
+        Ok(Level { radius, elastic, rules, freedom, scale_pull: 1.0, spacing })
     }
 
     /// Registers to one target. A cancelled run returns what it has, marked as such.
@@ -153,25 +199,116 @@ impl Registration {
         if target.is_labelled() && target.surfaces.len() != self.template.bones.len() {
             return Err(Error::invalid("the target was labelled for another skeleton"));
         }
-        let mut state = self.start(target, run);
+        let mut search_coarse = self.search(target, START_SPACING * self.diagonal);
+        let mut state = self.start(target, &mut search_coarse, run);
         let mut trace = Vec::new();
         for (k, level) in self.levels.iter().enumerate() {
             if run.is_cancelled() {
                 break;
             }
-            let share = |k: usize| 0.05 + 0.9 * k as f64 / self.levels.len() as f64;
+            let share = |k: usize| 0.15 + 0.8 * k as f64 / self.levels.len() as f64;
             run.enter(&level.name(), share(k));
-            trace.push(self.run_level(level, &mut state, target, run, [share(k), share(k + 1)]));
+            let mut search = self.search(target, level.spacing);
+            let most = self.options.max_iterations;
+            trace.push(self.run_level(level, &mut search, &mut state, run, most));
+            if k == 0 && self.options.use_joints {
+                self.repair(&mut search_coarse, &mut state, run);
+            }
         }
         run.enter("joints and residuals", 0.95);
         self.finish(state, target, trace, run.is_cancelled())
     }
 
-    fn start(&self, target: &Target, run: &Run) -> State {
+    /// Tries the starting poses with rigid bones, keeps the one that comes nearest.
+    fn start(&self, target: &Target, search: &mut Correspond, run: &Run) -> State {
         run.enter("rigid start", 0.0);
+        let mut poses = self.options.pose_starts.clone();
+        if poses.is_empty() || !self.options.use_joints {
+            poses = vec![0.0];
+        }
+        let mut best: Option<(f64, State)> = None;
+        for &share in &poses {
+            let mut state = self.posed(target, share);
+            let mut distance = 0.0;
+            if poses.len() > 1 {
+                distance =
+                    self.run_level(&self.levels[0], search, &mut state, run, START_UPDATES).rms_distance;
+            }
+            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
+                best = Some((distance, state));
+            }
+        }
+        best.map_or_else(|| self.posed(target, 0.0), |(_, state)| state)
+    }
+
+    /// Finds bones that fit much worse than the others and tries other poses for the branches that
+    /// hang on them: two fingers that have exchanged their tips do not come apart by themselves.
+    fn repair(&self, search: &mut Correspond, state: &mut State, run: &Run) {
+        let level = &self.levels[0];
+        let Some(mut best) = self.misfit(search, state) else { return };
+        for _ in 0..REPAIR_ROUNDS {
+            let heads = self.badly_fitted(&best);
+            let branches = branches(&self.template, self.root, &heads);
+            if branches.is_empty() || run.is_cancelled() {
+                return;
+            }
+            let all = (0..heads.len()).map(|b| branches.iter().any(|marks| marks[b])).collect();
+            let before = best.rms;
+            for marks in std::iter::once(all).chain(branches) {
+                if !self.badly_fitted(&best).contains(&true) {
+                    return;
+                }
+                for share in REPAIR_SHARES {
+                    let mut other = state.clone();
+                    let motions = towards_mid_range(
+                        &self.template, &other.reference, self.root, &marks, share,
+                    );
+                    other.reference.move_bones(&motions);
+                    other.points.clone_from(&other.reference.points);
+                    self.run_level(level, search, &mut other, run, START_UPDATES);
+                    if let Some(misfit) = self.misfit(search, &other)
+                        && misfit.rms < CLEARLY_BETTER * best.rms
+                    {
+                        best = misfit;
+                        *state = other;
+                    }
+                }
+            }
+            if best.rms > CLEARLY_BETTER * before {
+                return;
+            }
+        }
+    }
+
+    /// Bones whose pairs are much farther than those of the middle bone, and far in themselves.
+    fn badly_fitted(&self, misfit: &Misfit) -> Vec<bool> {
+        let mut sorted: Vec<f64> =
+            misfit.of_bone.iter().copied().filter(|r| r.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let far = (BAD_FIT * middle).max(BAD_DISTANCE * self.diagonal);
+        misfit.of_bone.iter().map(|&r| r > far).collect()
+    }
+
+    /// Root mean square pair distances of the deformed shape; `None` without pairs.
+    fn misfit(&self, search: &mut Correspond, state: &State) -> Option<Misfit> {
+        let pairs = search.at(&state.points, &self.levels[0].rules);
+        let of_bone = self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
+        let rms = pairs.rms_distance;
+        rms.is_finite().then_some(Misfit { rms, of_bone })
+    }
+
+    fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
+        Correspond::new(&self.template, &self.areas, target, spacing)
+    }
+
+    fn posed(&self, target: &Target, share: f64) -> State {
         let mut reference = self.template.clone();
+        let all = vec![true; reference.bones.len()];
+        let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
+        reference.move_bones(&motions);
         if self.options.align {
-            let motion = rigid_start(&self.template, &self.areas, target);
+            let motion = rigid_start(&reference, &self.areas, target);
             reference.move_bones(&vec![motion; reference.bones.len()]);
         }
         let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
@@ -181,18 +318,15 @@ impl Registration {
     fn run_level(
         &self,
         level: &Level,
+        search: &mut Correspond,
         state: &mut State,
-        target: &Target,
         run: &Run,
-        shares: [f64; 2],
+        most_updates: usize,
     ) -> LevelTrace {
-        let triangles = &self.template.triangles;
-        let mut search =
-            Correspond::new(&state.reference, triangles, &self.areas, target, level.spacing);
         let mut trace = LevelTrace { radius: level.radius, ..LevelTrace::default() };
         let mut at_last_update = state.points.clone();
         let mut elastic_left = self.options.max_iterations;
-        while trace.updates < self.options.max_iterations && !run.is_cancelled() {
+        while trace.updates < most_updates && !run.is_cancelled() {
             let pairs = search.at(&state.points, &level.rules);
             let masses = self.masses(&pairs);
             let update = self.options.schedule == Schedule::EveryIteration || elastic_left == 0;
@@ -203,14 +337,20 @@ impl Registration {
             }
             let next = level.elastic.apply(&state.reference.points, &pairs.wanted, &masses);
             let before = if update { &at_last_update } else { &state.points };
-            let still = self.largest_bone_move(before, &next) < self.options.tolerance * self.diagonal;
+            let still =
+                self.largest_bone_move(before, &next) < self.options.tolerance * self.diagonal;
             if update {
                 at_last_update.clone_from(&next);
             }
             state.points = next;
             trace.iterations += 1;
             trace.mean_distance = pairs.mean_distance;
-            report(run, state, &trace, shares, self.options.max_iterations);
+            trace.rms_distance = pairs.rms_distance;
+            run.update(|p| {
+                p.iteration += 1;
+                p.mean_error = trace.mean_distance;
+            });
+            run.publish_preview(&state.points);
             match (still, update) {
                 (true, true) => break,
                 (true, false) => elastic_left = 0,
@@ -227,9 +367,11 @@ impl Registration {
     /// The plastic update: plausible shape, frames, joint pose.
     fn update_reference(&self, level: &Level, state: &mut State, wanted: &[Vec3], masses: &[f64]) {
         if level.freedom != ScaleFreedom::Fixed {
-            state.scales = self.scales.fit(&self.template, wanted, masses, level.freedom);
+            let fit = (level.freedom, level.scale_pull);
+            state.scales = self.scales.fit(&self.template, wanted, masses, &state.scales, fit);
             let shape = self.scales.shape(&self.template, &state.scales);
-            let placed = put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
+            let placed =
+                put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
             take_shape(&mut state.reference, placed, &self.areas);
         }
         let motions = self.pose(&state.reference, wanted, masses, self.options.joint_sweeps);
@@ -245,10 +387,11 @@ impl Registration {
         sweeps: usize,
     ) -> Vec<Isometry3<f64>> {
         let whole = whole_motion(&reference.points, wanted, masses);
-        let targets: Vec<Isometry3<f64>> = rigid_targets(reference, &reference.points, wanted, masses)
-            .into_iter()
-            .map(|t| t.unwrap_or(whole))
-            .collect();
+        let targets: Vec<Isometry3<f64>> =
+            rigid_targets(reference, &reference.points, wanted, masses)
+                .into_iter()
+                .map(|t| t.unwrap_or(whole))
+                .collect();
         if !self.options.use_joints {
             return targets;
         }
@@ -275,19 +418,26 @@ impl Registration {
         let State { mut reference, points, scales } = state;
         let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
         take_shape(&mut reference, placed, &self.areas);
+        // The joint points of both bones are estimates; where they disagree a little, the bones
+        // stay where the data puts them and the joint is seated anew in the middle.
+        let limits: Vec<f64> = reference.joints.iter().map(|j| j.limits.shift).collect();
+        for joint in &mut reference.joints {
+            joint.limits.shift *= self.options.seat_factor.max(1.0);
+        }
         let mut motions = self.pose(&reference, &points, &self.areas, FINAL_SWEEPS);
         if self.options.use_joints {
-            let masses = moments(&reference, &self.areas);
-            let heaviest = (0..masses.len()).max_by(|&a, &b| masses[a].mass.total_cmp(&masses[b].mass));
-            settle_tree(&reference, heaviest.unwrap_or(0), &mut motions);
+            settle_tree(&reference, self.root, &mut motions);
         }
         reference.move_bones(&motions);
+        let mut seams = Vec::new();
+        for (joint, limit) in reference.joints.iter_mut().zip(limits) {
+            seams.push(seat(joint));
+            joint.limits.shift = limit;
+        }
         let rules = self.rules(0.0, None);
-        let spacing = 0.0;
-        let triangles = &self.template.triangles;
-        let pairs = Correspond::new(&reference, triangles, &self.areas, target, spacing)
-            .at(&reference.points, &rules);
-        Ok(Registered::new(&self.template, reference, points, scales, &pairs, levels, cancelled))
+        let pairs = self.search(target, 0.0).at(&reference.points, &rules);
+        let found = Found { skeleton: reference, elastic_points: points, scales, seams };
+        Ok(Registered::new(found, &pairs, levels, cancelled))
     }
 }
 
@@ -301,10 +451,22 @@ impl Level {
     }
 }
 
+/// Puts both joint points in their middle, unless they are further apart than the (widened) limit.
+/// Returns their distance before.
+fn seat(joint: &mut Joint) -> f64 {
+    let (a, b) = (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
+    let distance = (a - b).norm();
+    if distance <= joint.limits.shift * (1.0 + 1e-9) {
+        joint.parent_frame.translation.vector = (a + b) / 2.0;
+        joint.child_frame.translation.vector = (a + b) / 2.0;
+    }
+    distance
+}
+
 fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> {
     reference
         .bones
-        .iter()
+        .par_iter()
         .map(|b| {
             let range = b.vertices.clone();
             BoneMoments::new(&reference.points[range.clone()], &masses[range])
@@ -312,12 +474,69 @@ fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> {
         .collect()
 }
 
-fn report(run: &Run, state: &State, trace: &LevelTrace, shares: [f64; 2], most: usize) {
-    let done = (trace.iterations as f64 / most as f64).min(1.0);
-    run.update(|p| {
-        p.fraction = shares[0] + (shares[1] - shares[0]) * done;
-        p.iteration += 1;
-        p.mean_error = trace.mean_distance;
-    });
-    run.publish_preview(&state.points);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::register::joint_limits::JointLimits;
+    use crate::register::skeleton::tests::{block, joint_at};
+
+    fn two_bones() -> Skeleton {
+        let sides = Vec3::new(0.3, 0.1, 1.2);
+        let limits = JointLimits::new(Vec3::new(0.3, 0.1, 0.2), sides, 0.5).unwrap();
+        let a = block(Vec3::zeros(), Vec3::new(10.0, 2.0, 3.0), 10);
+        let b = block(Vec3::new(18.0, 0.0, 0.0), Vec3::new(7.0, 1.5, 2.5), 10);
+        let joint = joint_at("ab", [0, 1], Vec3::new(10.5, 0.0, 0.0), limits);
+        Skeleton::new(vec![("a".into(), a), ("b".into(), b)], vec![joint]).unwrap()
+    }
+
+    fn union(skeleton: &Skeleton) -> crate::mesh::TriMesh {
+        crate::mesh::TriMesh::new(skeleton.points.clone(), skeleton.triangles.clone()).unwrap()
+    }
+
+    #[test]
+    fn the_template_itself_as_target_changes_nothing() {
+        let template = two_bones();
+        let target = Target::whole(union(&template)).unwrap();
+        let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
+        let moves = found.skeleton.points.iter().zip(&template.points).map(|(a, b)| (a - b).norm());
+        assert!(moves.fold(0.0, f64::max) < 1e-6);
+        let frame = found.skeleton.joints[0].child_frame.translation.vector;
+        assert!((frame - Vec3::new(10.5, 0.0, 0.0)).norm() < 1e-6);
+        assert!(!found.cancelled && found.levels.iter().all(|l| l.iterations <= 2));
+    }
+
+    #[test]
+    fn a_bent_and_moved_skeleton_is_found_with_and_without_labels() {
+        let template = two_bones();
+        let mut bent = template.clone();
+        let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::new(0.0, 0.0, 0.7));
+        let joint_point = Vec3::new(10.5, 0.0, 0.0);
+        let bend = crate::register::rotation::turned_about(&Isometry3::identity(), &joint_point, turn);
+        bent.move_bones(&[Isometry3::identity(), bend]);
+        let away = Isometry3::new(Vec3::new(40.0, -20.0, 5.0), Vec3::new(0.5, 1.0, 1.5));
+        bent.move_bones(&[away, away]);
+        let labelled = (0..2)
+            .map(|b| (bent.bones[b].name.clone(), bent.bone_surface(b, &bent.points)))
+            .collect();
+        for target in [
+            Target::whole(union(&bent)).unwrap(),
+            Target::per_bone(&template, labelled).unwrap(),
+        ] {
+            let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
+            // Blocks look the same from several sides: compare surfaces, and the joint's angle.
+            assert!(found.bones.iter().all(|b| b.mean_residual < 0.05), "{:?}", found.bones);
+            assert!((found.joints[0].rotation.norm() - 0.7).abs() < 0.05, "{:?}", found.joints);
+            assert!(found.joints[0].excess_degrees < 1e-6 && found.joints[0].excess_shift < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_cancelled_run_returns_the_template_where_it_lies() {
+        let template = two_bones();
+        let target = Target::whole(union(&template)).unwrap();
+        let run = Run::new();
+        run.cancel();
+        let found = register(&template, &target, &Options::default(), &run).unwrap();
+        assert!(found.cancelled && found.levels.is_empty());
+    }
 }

@@ -31,7 +31,9 @@ impl Samples {
         for (p, &area) in points.iter().zip(areas) {
             let distance = |i: u32| (points[i as usize] - p).norm_squared();
             let near = grid.within(p);
-            if let Some(best) = near.into_iter().min_by(|&a, &b| distance(a).total_cmp(&distance(b))) {
+            if let Some(best) =
+                near.into_iter().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+            {
                 sums[slot[best as usize] as usize] += area;
             }
         }

@@ -8,6 +8,9 @@ use super::pose::{LimitState, limit_state};
 use super::skeleton::Skeleton;
 use crate::math::Vec3;
 
+/// A residual below this share of the skeleton's diagonal is never suspicious.
+const SUSPICIOUS_SHARE: f64 = 0.002;
+
 /// A registered skeleton.
 #[derive(Clone, Debug)]
 pub struct Registered {
@@ -27,6 +30,14 @@ pub struct Registered {
     pub cancelled: bool,
 }
 
+/// The shapes and frames found.
+pub(super) struct Found {
+    pub(super) skeleton: Skeleton,
+    pub(super) elastic_points: Vec<Vec3>,
+    pub(super) scales: Vec<Vec3>,
+    pub(super) seams: Vec<f64>,
+}
+
 /// The fit of one bone; lengths in the template's unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BoneSummary {
@@ -38,7 +49,8 @@ pub struct BoneSummary {
     pub max_residual: f64,
     /// Share of the bone's area with a valid pair.
     pub seen: f64,
-    /// Residual more than three times that of the middle bone: perhaps a neighbour's surface.
+    /// Residual more than three times that of the middle bone, and not small: perhaps it lies on a
+    /// neighbour's surface.
     pub suspicious: bool,
 }
 
@@ -59,6 +71,8 @@ pub struct JointSummary {
     pub shift: f64,
     /// Shift beyond the limit, template unit.
     pub excess_shift: f64,
+    /// Distance of the two estimates of the joint's centre before they were joined, template unit.
+    pub seam: f64,
 }
 
 /// One level of the loop.
@@ -72,27 +86,28 @@ pub struct LevelTrace {
     pub updates: usize,
     /// Mean distance of the pairs in the last iteration.
     pub mean_distance: f64,
+    /// Root mean square distance of all pairs, those dropped too, in the last iteration.
+    pub rms_distance: f64,
 }
 
 impl Registered {
     pub(super) fn new(
-        template: &Skeleton,
-        skeleton: Skeleton,
-        elastic_points: Vec<Vec3>,
-        scales: Vec<Vec3>,
+        found: Found,
         pairs: &Correspondences,
         levels: Vec<LevelTrace>,
         cancelled: bool,
     ) -> Self {
+        let Found { skeleton, elastic_points, scales, seams } = found;
         let mut bones: Vec<BoneSummary> =
-            (0..template.bones.len()).map(|b| bone_summary(&skeleton, b, pairs)).collect();
+            (0..skeleton.bones.len()).map(|b| bone_summary(&skeleton, b, pairs)).collect();
         let mut residuals: Vec<f64> = bones.iter().map(|b| b.mean_residual).collect();
         residuals.sort_by(f64::total_cmp);
         let middle = residuals[residuals.len() / 2];
+        let far = (3.0 * middle).max(SUSPICIOUS_SHARE * diagonal(&skeleton.points));
         for bone in &mut bones {
-            bone.suspicious = bone.mean_residual > 3.0 * middle;
+            bone.suspicious = bone.mean_residual > far;
         }
-        let joints = joint_summaries(&skeleton);
+        let joints = joint_summaries(&skeleton, &seams);
         Self { skeleton, elastic_points, scales, bones, joints, levels, cancelled }
     }
 
@@ -100,6 +115,10 @@ impl Registered {
     pub fn iterations(&self) -> usize {
         self.levels.iter().map(|l| l.iterations).sum()
     }
+}
+
+fn diagonal(points: &[Vec3]) -> f64 {
+    crate::mesh::bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm())
 }
 
 fn bone_summary(skeleton: &Skeleton, b: usize, pairs: &Correspondences) -> BoneSummary {
@@ -121,16 +140,18 @@ fn bone_summary(skeleton: &Skeleton, b: usize, pairs: &Correspondences) -> BoneS
     }
 }
 
-fn joint_summaries(skeleton: &Skeleton) -> Vec<JointSummary> {
+fn joint_summaries(skeleton: &Skeleton, seams: &[f64]) -> Vec<JointSummary> {
     let still = Isometry3::identity();
     skeleton
         .joints
         .iter()
-        .map(|joint| {
+        .zip(seams)
+        .map(|(joint, &seam)| {
             let transform = joint.transform(&still, &still);
             let LimitState { rotation_usage, rotation_excess, shift, shift_excess } =
                 limit_state(&joint.limits, &transform);
-            let (a, b) = (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
+            let (a, b) =
+                (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
             JointSummary {
                 name: joint.name.clone(),
                 centre: (a + b) / 2.0,
@@ -139,6 +160,7 @@ fn joint_summaries(skeleton: &Skeleton) -> Vec<JointSummary> {
                 excess_degrees: rotation_excess.to_degrees(),
                 shift,
                 excess_shift: shift_excess,
+                seam,
             }
         })
         .collect()

@@ -64,10 +64,14 @@ impl Target {
         let mut of_bone: Vec<Option<SearchedSurface>> = vec![None; skeleton.bones.len()];
         for (name, mesh) in surfaces {
             let b = skeleton.bone_index(&name).ok_or_else(|| {
-                Error::invalid(format!("the target names a bone {name} that the skeleton does not have"))
+                Error::invalid(format!(
+                    "the target names a bone {name} that the skeleton does not have"
+                ))
             })?;
             if mesh.triangles.is_empty() {
-                return Err(Error::invalid(format!("the target surface of bone {name} has no triangles")));
+                return Err(Error::invalid(format!(
+                    "the target surface of bone {name} has no triangles"
+                )));
             }
             if of_bone[b].replace(SearchedSurface::new(mesh)).is_some() {
                 return Err(Error::invalid(format!("the target gives bone {name} twice")));
