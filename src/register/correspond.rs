@@ -168,7 +168,15 @@ impl<'a> Correspond<'a> {
         let mean_distance = if weight_sum > 0.0 { distance / weight_sum } else { f64::NAN };
         let area: f64 = offered.iter().sum();
         let rms_distance = (squares.iter().sum::<f64>() / area).sqrt();
-        Correspondences { wanted, weight: kept, trust, offered, squares, mean_distance, rms_distance }
+        Correspondences {
+            wanted,
+            weight: kept,
+            trust,
+            offered,
+            squares,
+            mean_distance,
+            rms_distance,
+        }
     }
 }
 

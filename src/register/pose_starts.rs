@@ -74,7 +74,8 @@ mod tests {
     #[test]
     fn joints_turn_by_the_share_asked_for() {
         let limits =
-            JointLimits::new(Vec3::new(0.2, 0.1, 0.0), Vec3::new(1.4, 0.1, f64::INFINITY), 1.0).unwrap();
+            JointLimits::new(Vec3::new(0.2, 0.1, 0.0), Vec3::new(1.4, 0.1, f64::INFINITY), 1.0)
+                .unwrap();
         let a = block(Vec3::zeros(), Vec3::repeat(1.0), 2);
         let b = block(Vec3::new(3.0, 0.0, 0.0), Vec3::repeat(1.0), 2);
         let joint = joint_at("ab", [0, 1], Vec3::new(1.5, 0.0, 0.0), limits);

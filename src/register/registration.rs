@@ -112,8 +112,16 @@ impl Registration {
         }
         let bone_of = template.bone_of_vertex();
         let scales = BoneScales::new(&template, &areas, options.scales);
-        let mut registration =
-            Self { template, areas, bone_of, diagonal, options, levels: Vec::new(), scales, root: 0 };
+        let mut registration = Self {
+            template,
+            areas,
+            bone_of,
+            diagonal,
+            options,
+            levels: Vec::new(),
+            scales,
+            root: 0,
+        };
         let masses = moments(&registration.template, &registration.areas);
         registration.root = (0..masses.len())
             .max_by(|&a, &b| masses[a].mass.total_cmp(&masses[b].mass))
@@ -142,8 +150,7 @@ impl Registration {
         let mut radius = radii[radii.len() - 1];
         let finest = self.options.finest_in_edges * edge;
         while self.options.refine_bones && radius.is_finite() {
-            let rules =
-                self.rules(self.options.last_min_cosine, Some(self.options.robust_factor));
+            let rules = self.rules(self.options.last_min_cosine, Some(self.options.robust_factor));
             levels.push(self.level(radius, ScaleFreedom::PerAxis, rules, true)?);
             radius /= 2.0;
             if radius < finest {
@@ -190,7 +197,8 @@ impl Registration {
             )),
         };
         let freedom = freedom.min(self.options.scale_freedom);
-        let spacing = (self.options.pair_spacing * radius).min(self.options.coarsest_pairs * self.diagonal);
+        let spacing =
+            (self.options.pair_spacing * radius).min(self.options.coarsest_pairs * self.diagonal);
         Ok(Level { radius, elastic, rules, freedom, scale_pull: 1.0, spacing })
     }
 
@@ -231,8 +239,9 @@ impl Registration {
             let mut state = self.posed(target, share);
             let mut distance = 0.0;
             if poses.len() > 1 {
-                distance =
-                    self.run_level(&self.levels[0], search, &mut state, run, START_UPDATES).rms_distance;
+                distance = self
+                    .run_level(&self.levels[0], search, &mut state, run, START_UPDATES)
+                    .rms_distance;
             }
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 best = Some((distance, state));
@@ -261,7 +270,11 @@ impl Registration {
                 for share in REPAIR_SHARES {
                     let mut other = state.clone();
                     let motions = towards_mid_range(
-                        &self.template, &other.reference, self.root, &marks, share,
+                        &self.template,
+                        &other.reference,
+                        self.root,
+                        &marks,
+                        share,
                     );
                     other.reference.move_bones(&motions);
                     other.points.clone_from(&other.reference.points);
@@ -293,7 +306,8 @@ impl Registration {
     /// Root mean square pair distances of the deformed shape; `None` without pairs.
     fn misfit(&self, search: &mut Correspond, state: &State) -> Option<Misfit> {
         let pairs = search.at(&state.points, &self.levels[0].rules);
-        let of_bone = self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
+        let of_bone =
+            self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
         let rms = pairs.rms_distance;
         rms.is_finite().then_some(Misfit { rms, of_bone })
     }
@@ -511,17 +525,17 @@ mod tests {
         let mut bent = template.clone();
         let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::new(0.0, 0.0, 0.7));
         let joint_point = Vec3::new(10.5, 0.0, 0.0);
-        let bend = crate::register::rotation::turned_about(&Isometry3::identity(), &joint_point, turn);
+        let bend =
+            crate::register::rotation::turned_about(&Isometry3::identity(), &joint_point, turn);
         bent.move_bones(&[Isometry3::identity(), bend]);
         let away = Isometry3::new(Vec3::new(40.0, -20.0, 5.0), Vec3::new(0.5, 1.0, 1.5));
         bent.move_bones(&[away, away]);
         let labelled = (0..2)
             .map(|b| (bent.bones[b].name.clone(), bent.bone_surface(b, &bent.points)))
             .collect();
-        for target in [
-            Target::whole(union(&bent)).unwrap(),
-            Target::per_bone(&template, labelled).unwrap(),
-        ] {
+        for target in
+            [Target::whole(union(&bent)).unwrap(), Target::per_bone(&template, labelled).unwrap()]
+        {
             let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
             // Blocks look the same from several sides: compare surfaces, and the joint's angle.
             assert!(found.bones.iter().all(|b| b.mean_residual < 0.05), "{:?}", found.bones);
