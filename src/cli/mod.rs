@@ -5,6 +5,7 @@
 
 mod check;
 mod progress;
+mod register;
 mod reshape;
 mod tetrahedralize;
 
@@ -31,6 +32,8 @@ struct Arguments {
 enum Command {
     /// Put a template into the shape that markers on a scan show
     Reshape(Box<reshape::Arguments>),
+    /// Put a template skeleton with joints on one person's bones
+    Register(Box<moulage::job::RegisterJob>),
     /// Fill a surface with tets and print their quality
     Tetrahedralize(tetrahedralize::Arguments),
     /// Say in words what is wrong with meshes, marker files or jobs
@@ -51,6 +54,7 @@ pub fn main() -> ExitCode {
     };
     let code = match arguments.command {
         Command::Reshape(arguments) => reshape::run(*arguments),
+        Command::Register(job) => register::run(&job),
         Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
         Command::Check(arguments) => Ok(check::run(&arguments)),
     };

@@ -8,6 +8,7 @@
 //! overlapping clusters (elastic), and a projection on plausible bone shapes and joint poses
 //! (plastic).
 
+pub mod animation;
 pub mod areas;
 pub mod bone_scales;
 pub mod correspond;
@@ -27,6 +28,7 @@ mod samples;
 pub mod skeleton;
 pub mod summary;
 mod target;
+pub mod transfer;
 
 pub use joint_limits::JointLimits;
 pub use options::Options;

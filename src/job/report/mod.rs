@@ -1,7 +1,7 @@
 //! `report.json` and `report.html`: what a run was given, did and reached.
 
 mod html;
-mod picture;
+pub(super) mod picture;
 mod plots;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,205 @@
+//! One skeleton registration from files to files.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::register_output as output;
+use super::register_report::RegisterReport;
+use super::skeleton_build::build_skeleton;
+use crate::error::{Error, Result};
+use crate::io::skeleton::SkeletonDocument;
+use crate::io::{SurfaceFile, read_bytes, read_surface};
+use crate::mesh::TriMesh;
+use crate::register::animation::Motion;
+use crate::register::options::Levels;
+use crate::register::{Options, Registered, Registration, Skeleton, Target};
+use crate::run::Run;
+
+/// All that describes one registration. What is `None` takes its default. Lengths are in the
+/// template's unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[serde(default, deny_unknown_fields)]
+pub struct RegisterJob {
+    /// Template: *.skeleton.json
+    #[cfg_attr(feature = "cli", arg(value_name = "SKELETON"))]
+    pub skeleton: PathBuf,
+    /// Surface of all the person's bones: .obj, .ply or .stl; bones may be fused
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Input"))]
+    pub target: Option<PathBuf>,
+    /// Folder with one surface per bone, named as the bone, instead of --target
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Input"))]
+    pub labels: Option<PathBuf>,
+    /// Soft tissue surfaces in the template's pose to carry along, besides the skeleton's own
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Input"))]
+    pub carry: Option<Vec<PathBuf>>,
+    /// OpenSim motion (.mot, .sto) to put on the person's skeleton
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Input"))]
+    pub motion: Option<PathBuf>,
+    /// Angles of the motion whose sign is the opposite of the skeleton's
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", num_args = 1.., help_heading = "Input"))]
+    pub flip: Option<Vec<String>>,
+
+    /// Run the loop as published: exact clusters, updates only when the elastic steps rest
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
+    pub paper: bool,
+    /// The template already lies where the person is
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
+    pub no_align: bool,
+    /// Cluster radii from coarse to fine, "inf" for one cluster [default: from the size]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RADIUS", num_args = 1.., help_heading = "Method"))]
+    pub radii: Option<Vec<f64>>,
+    /// Iterations per level at most [default: 30]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Method"))]
+    pub iterations: Option<usize>,
+    /// Threads [default: all cores]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Method"))]
+    pub threads: Option<usize>,
+
+    /// Folder for the result: bones/, result.skeleton.json, skeleton.glb, soft/
+    #[cfg_attr(feature = "cli", arg(short, long, value_name = "FOLDER", help_heading = "Output"))]
+    pub out: Option<PathBuf>,
+    /// Folder for report.html and report.json
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Output"))]
+    pub report: Option<PathBuf>,
+    /// Metres per unit of the template, for skeleton.glb [default: 0.001]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", help_heading = "Output"))]
+    pub metres_per_unit: Option<f64>,
+}
+
+/// What a finished registration tells its caller.
+#[derive(Clone, Debug)]
+pub struct RegisterResult {
+    /// All figures, also in `report.json`.
+    pub report: RegisterReport,
+    /// The person's skeleton.
+    pub registered: Registered,
+}
+
+/// A template with its files.
+#[derive(Clone, Debug)]
+pub struct SkeletonFiles {
+    /// The skeleton file.
+    pub document: SkeletonDocument,
+    /// The skeleton.
+    pub skeleton: Skeleton,
+    /// The bones' mesh files, in their order.
+    pub surfaces: Vec<SurfaceFile>,
+}
+
+/// Reads a skeleton file and the meshes it names.
+pub fn read_skeleton(path: &Path) -> Result<SkeletonFiles> {
+    let bytes = read_bytes(path)?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|_| Error::parse(path, None, "not UTF-8 text; a skeleton file is JSON"))?;
+    let document = SkeletonDocument::parse(text, path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let surfaces: Vec<SurfaceFile> = document
+        .bones
+        .iter()
+        .map(|b| read_surface(&folder.join(&b.mesh)))
+        .collect::<Result<_>>()?;
+    let meshes = surfaces.iter().map(SurfaceFile::mesh).collect::<Result<Vec<TriMesh>>>()?;
+    let skeleton = build_skeleton(&document, meshes)?;
+    Ok(SkeletonFiles { document, skeleton, surfaces })
+}
+
+/// Reads, registers and writes all that `job` names. A cancelled run writes what it has.
+pub fn run_register(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
+    let Some(threads) = job.threads else { return run_here(job, run) };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::invalid(format!("{threads} threads cannot be started: {e}")))?;
+    pool.install(|| run_here(job, run))
+}
+
+fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
+    if job.out.is_none() && job.report.is_none() {
+        return Err(Error::invalid("no output is named; give the result's folder with -o"));
+    }
+    run.enter("reading", 0.0);
+    let files = read_skeleton(&job.skeleton)?;
+    let target = read_target(job, &files.skeleton)?;
+    let carried = output::read_carried(job, &files)?;
+    let motion = job.motion.as_deref().map(|path| read_motion(path, job)).transpose()?;
+    let options = options(job, &files.document);
+    let prepared = Instant::now();
+    let registration = Registration::new(files.skeleton.clone(), options)?;
+    let prepared = prepared.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let registered = registration.register(&target, run)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let mut report = RegisterReport::new(job, &files, &registered, [prepared, seconds]);
+    run.enter("writing", 0.97);
+    if let Some(folder) = &job.out {
+        report.written =
+            output::write(folder, job, &files, &registered, &carried, motion.as_ref())?;
+    }
+    if let Some(folder) = &job.report {
+        report.write(folder, &files.skeleton, &registered)?;
+    }
+    run.enter("done", 1.0);
+    Ok(RegisterResult { report, registered })
+}
+
+fn options(job: &RegisterJob, document: &SkeletonDocument) -> Options {
+    let mut options = if job.paper { Options::published() } else { Options::default() };
+    options.align = !job.no_align;
+    if let Some(iterations) = job.iterations {
+        options.max_iterations = iterations;
+    }
+    let from_file = document
+        .clusters
+        .as_ref()
+        .map(|radii| radii.iter().map(|r| r.unwrap_or(f64::INFINITY)).collect::<Vec<f64>>());
+    if let Some(radii) = job.radii.clone().or(from_file) {
+        options.levels = Levels::Radii(radii);
+    }
+    options
+}
+
+fn read_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
+    match (&job.target, &job.labels) {
+        (Some(path), None) => Target::whole(read_surface(path)?.mesh()?),
+        (None, Some(folder)) => {
+            let mut surfaces = Vec::new();
+            for bone in &skeleton.bones {
+                let file = ["ply", "obj", "stl"]
+                    .map(|e| folder.join(format!("{}.{e}", output::file_name(&bone.name))))
+                    .into_iter()
+                    .find(|p| p.is_file());
+                if let Some(path) = file {
+                    surfaces.push((bone.name.clone(), read_surface(&path)?.mesh()?));
+                }
+            }
+            if surfaces.is_empty() {
+                return Err(Error::invalid(format!(
+                    "{} holds no surface named after a bone, such as {}.ply",
+                    folder.display(),
+                    skeleton.bones[0].name
+                )));
+            }
+            Target::per_bone(skeleton, surfaces)
+        }
+        _ => Err(Error::invalid(
+            "give the person's bones either as one surface with --target or as a folder with --labels",
+        )),
+    }
+}
+
+fn read_motion(path: &Path, job: &RegisterJob) -> Result<Motion> {
+    let table = crate::io::mot::read_motion(path)?;
+    let mut motion = Motion { names: table.names, times: table.times, frames: table.rows };
+    for name in job.flip.iter().flatten() {
+        let column = motion.names.iter().position(|n| n == name).ok_or_else(|| {
+            Error::invalid(format!("--flip {name}: {} has no such column", path.display()))
+        })?;
+        for row in &mut motion.frames {
+            row[column] = -row[column];
+        }
+    }
+    Ok(motion)
+}
