@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod check;
+mod convert;
 mod progress;
 mod register;
 mod reshape;
@@ -36,6 +37,8 @@ enum Command {
     Register(Box<moulage::job::RegisterJob>),
     /// Fill a surface with tets and print their quality
     Tetrahedralize(tetrahedralize::Arguments),
+    /// Turn a skeleton file into another format
+    Convert(convert::Arguments),
     /// Say in words what is wrong with meshes, marker files or jobs
     Check(check::Arguments),
 }
@@ -56,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Reshape(arguments) => reshape::run(*arguments),
         Command::Register(job) => register::run(&job),
         Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Check(arguments) => Ok(check::run(&arguments)),
     };
     code.unwrap_or_else(|error| {

@@ -2,6 +2,7 @@
 
 mod attach;
 mod check_files;
+mod convert;
 mod fill;
 mod inputs;
 mod inspect;
@@ -18,6 +19,7 @@ mod spec;
 
 pub use attach::AttachmentPair;
 pub use check_files::{FileCheck, check_file};
+pub use convert::convert_skeleton;
 pub use fill::{Filling, fill};
 pub use inputs::{Inputs, Pair};
 pub use inspect::inspect;

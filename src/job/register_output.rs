@@ -90,7 +90,7 @@ fn result_value(found: &Registered) -> serde_json::Value {
         .collect();
     json!({
         "bones": found.bones, "joints": found.joints, "angles_deg": angles,
-        "scales": found.scales, "levels": found.levels, "cancelled": found.cancelled
+        "scales": found.scales, "shape_coefficients": found.coefficients, "levels": found.levels, "cancelled": found.cancelled
     })
 }
 

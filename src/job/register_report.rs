@@ -77,13 +77,18 @@ impl RegisterReport {
                 ));
             }
         }
-        for (joint, limits) in found.joints.iter().zip(&files.skeleton.joints) {
-            if joint.seam > 1.001 * limits.limits.shift {
-                warnings.push(format!(
-                    "joint {}: the bones put its centre {:.3} apart, more than the limit {:.3}",
-                    joint.name, joint.seam, limits.limits.shift
-                ));
-            }
+        let apart: Vec<&str> = found
+            .joints
+            .iter()
+            .zip(&files.skeleton.joints)
+            .filter(|(joint, template)| joint.seam > 2.0 * template.limits.shift)
+            .map(|(joint, _)| joint.name.as_str())
+            .collect();
+        if !apart.is_empty() {
+            warnings.push(format!(
+                "the two bones disagree on the centre by more than twice the allowed shift in {}",
+                apart.join(", ")
+            ));
         }
         Self {
             version: env!("CARGO_PKG_VERSION"),

@@ -63,7 +63,7 @@ fn exact(sums: &FastSums, reference: &[Vec3], wanted: &[Vec3], masses: &[f64]) -
     (0..reference.len())
         .into_par_iter()
         .map(|i| {
-            let size = sums.cluster_size(i) as f64;
+            let size = f64::from(sums.cluster_size(i));
             let rotation = Mat3::from_column_slice(&blended[i][..9]) / size;
             let translation = Vec3::from_column_slice(&blended[i][9..]) / size;
             rotation * (reference[i] - origin) + translation + origin

@@ -249,8 +249,8 @@ mod tests {
                     direct = [direct[0] + f[0], direct[1] + f[1]];
                 }
             }
-            assert_eq!(fast[i][0], direct[0]);
-            assert_eq!(f64::from(sums.cluster_size(i)), direct[0]);
+            assert!((fast[i][0] - direct[0]).abs() < 1e-9);
+            assert!((f64::from(sums.cluster_size(i)) - direct[0]).abs() < 1e-9);
             assert!((fast[i][1] - direct[1]).abs() < 1e-10 * direct[0]);
         }
         assert!(sums.saving() > 0.6, "{}", sums.saving());

@@ -37,6 +37,8 @@ pub enum Schedule {
 }
 
 /// All settings of [`super::registration::register`].
+// Each switch is a step of the method that can be left out on its own.
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Cluster radii.

@@ -207,14 +207,10 @@ fn best_common_motion(
     if total <= 0.0 {
         return Isometry3::identity();
     }
-    let mean = |which: fn(&(usize, &Isometry3<f64>, &Isometry3<f64>)) -> Isometry3<f64>| -> Vec3 {
-        bones
-            .iter()
-            .map(|e| moments[e.0].mass * moved(&which(e), &moments[e.0].centre))
-            .sum::<Vec3>()
-            / total
-    };
-    let (goal_mean, now_mean) = (mean(|e| *e.1), mean(|e| *e.2));
+    let place =
+        |b: usize, motion: &Isometry3<f64>| moments[b].mass * moved(motion, &moments[b].centre);
+    let goal_mean = bones.iter().map(|(b, goal, _)| place(*b, goal)).sum::<Vec3>() / total;
+    let now_mean = bones.iter().map(|(b, _, now)| place(*b, now)).sum::<Vec3>() / total;
     let h: Mat3 =
         bones.iter().map(|(b, goal, now)| moments[*b].cross(goal, now, goal_mean, now_mean)).sum();
     let rotation = best_rotation(&h).unwrap_or_else(UnitQuaternion::identity);

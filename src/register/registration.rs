@@ -4,6 +4,8 @@
 //! every iteration, pairs that face away from each other are dropped, the levels are chosen from
 //! the template's size, and a last level works bone by bone.
 
+use std::time::Instant;
+
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 
@@ -18,6 +20,7 @@ use super::pose::{BoneMoments, project_pose, rigid_targets, settle_tree};
 use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_start;
 use super::sampled_clusters::SampledClusters;
+use super::shape_model::ShapeModel;
 use super::skeleton::{Joint, Skeleton};
 use super::summary::{Found, LevelTrace, Registered};
 use super::target::Target;
@@ -58,6 +61,8 @@ pub struct Registration {
     options: Options,
     levels: Vec<Level>,
     scales: BoneScales,
+    /// Statistics instead of bone scales.
+    model: Option<ShapeModel>,
     /// The heaviest bone.
     root: usize,
 }
@@ -82,6 +87,8 @@ struct State {
     /// The deformed points.
     points: Vec<Vec3>,
     scales: Vec<Vec3>,
+    /// Coefficients of the shape model, in standard deviations.
+    coefficients: Vec<f64>,
 }
 
 /// Distances of the pairs, dropped ones too.
@@ -120,6 +127,7 @@ impl Registration {
             options,
             levels: Vec::new(),
             scales,
+            model: None,
             root: 0,
         };
         let masses = moments(&registration.template, &registration.areas);
@@ -128,6 +136,19 @@ impl Registration {
             .unwrap_or(0);
         registration.levels = registration.make_levels()?;
         Ok(registration)
+    }
+
+    /// Uses statistics instead of bone scales. The model must come from the same template.
+    pub fn with_shape_model(mut self, model: ShapeModel) -> Result<Self> {
+        if model.mean().len() != self.template.points.len() {
+            return Err(Error::invalid(format!(
+                "the shape model has {} vertices, the skeleton {}",
+                model.mean().len(),
+                self.template.points.len()
+            )));
+        }
+        self.model = Some(model);
+        Ok(self)
     }
 
     fn make_levels(&self) -> Result<Vec<Level>> {
@@ -224,7 +245,7 @@ impl Registration {
             }
         }
         run.enter("joints and residuals", 0.95);
-        self.finish(state, target, trace, run.is_cancelled())
+        Ok(self.finish(state, target, trace, run.is_cancelled()))
     }
 
     /// Tries the starting poses with rigid bones, keeps the one that comes nearest.
@@ -326,7 +347,7 @@ impl Registration {
             reference.move_bones(&vec![motion; reference.bones.len()]);
         }
         let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
-        State { points: reference.points.clone(), reference, scales }
+        State { points: reference.points.clone(), reference, scales, coefficients: Vec::new() }
     }
 
     fn run_level(
@@ -338,6 +359,7 @@ impl Registration {
         most_updates: usize,
     ) -> LevelTrace {
         let mut trace = LevelTrace { radius: level.radius, ..LevelTrace::default() };
+        let started = Instant::now();
         let mut at_last_update = state.points.clone();
         let mut elastic_left = self.options.max_iterations;
         while trace.updates < most_updates && !run.is_cancelled() {
@@ -371,6 +393,7 @@ impl Registration {
                 (false, _) => elastic_left = elastic_left.saturating_sub(1),
             }
         }
+        trace.seconds = started.elapsed().as_secs_f64();
         trace
     }
 
@@ -380,10 +403,19 @@ impl Registration {
 
     /// The plastic update: plausible shape, frames, joint pose.
     fn update_reference(&self, level: &Level, state: &mut State, wanted: &[Vec3], masses: &[f64]) {
-        if level.freedom != ScaleFreedom::Fixed {
-            let fit = (level.freedom, level.scale_pull);
-            state.scales = self.scales.fit(&self.template, wanted, masses, &state.scales, fit);
-            let shape = self.scales.shape(&self.template, &state.scales);
+        let shape = match &self.model {
+            Some(model) => {
+                state.coefficients = model.project(&self.template, wanted, masses);
+                Some(model.synthesize(&state.coefficients))
+            }
+            None if level.freedom == ScaleFreedom::Fixed => None,
+            None => {
+                let fit = (level.freedom, level.scale_pull);
+                state.scales = self.scales.fit(&self.template, wanted, masses, &state.scales, fit);
+                Some(self.scales.shape(&self.template, &state.scales))
+            }
+        };
+        if let Some(shape) = shape {
             let placed =
                 put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
             take_shape(&mut state.reference, placed, &self.areas);
@@ -428,8 +460,8 @@ impl Registration {
         target: &Target,
         levels: Vec<LevelTrace>,
         cancelled: bool,
-    ) -> Result<Registered> {
-        let State { mut reference, points, scales } = state;
+    ) -> Registered {
+        let State { mut reference, points, scales, coefficients } = state;
         let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
         take_shape(&mut reference, placed, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones
@@ -450,8 +482,9 @@ impl Registration {
         }
         let rules = self.rules(0.0, None);
         let pairs = self.search(target, 0.0).at(&reference.points, &rules);
-        let found = Found { skeleton: reference, elastic_points: points, scales, seams };
-        Ok(Registered::new(found, &pairs, levels, cancelled))
+        let found =
+            Found { skeleton: reference, elastic_points: points, scales, coefficients, seams };
+        Registered::new(found, &pairs, levels, cancelled)
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Registered {
     pub elastic_points: Vec<Vec3>,
     /// Scales of every bone along its principal axes, where no shape model was used.
     pub scales: Vec<Vec3>,
+    /// Coefficients of the shape model, in standard deviations, where one was used.
+    pub coefficients: Vec<f64>,
     /// How each bone fits.
     pub bones: Vec<BoneSummary>,
     /// How each joint stands to its limits.
@@ -35,6 +37,7 @@ pub(super) struct Found {
     pub(super) skeleton: Skeleton,
     pub(super) elastic_points: Vec<Vec3>,
     pub(super) scales: Vec<Vec3>,
+    pub(super) coefficients: Vec<f64>,
     pub(super) seams: Vec<f64>,
 }
 
@@ -82,6 +85,8 @@ pub struct LevelTrace {
     pub radius: f64,
     /// Closest-point iterations.
     pub iterations: usize,
+    /// Seconds for them.
+    pub seconds: f64,
     /// Updates of reference shape and pose among them.
     pub updates: usize,
     /// Mean distance of the pairs in the last iteration.
@@ -97,7 +102,7 @@ impl Registered {
         levels: Vec<LevelTrace>,
         cancelled: bool,
     ) -> Self {
-        let Found { skeleton, elastic_points, scales, seams } = found;
+        let Found { skeleton, elastic_points, scales, coefficients, seams } = found;
         let mut bones: Vec<BoneSummary> =
             (0..skeleton.bones.len()).map(|b| bone_summary(&skeleton, b, pairs)).collect();
         let mut residuals: Vec<f64> = bones.iter().map(|b| b.mean_residual).collect();
@@ -108,7 +113,7 @@ impl Registered {
             bone.suspicious = bone.mean_residual > far;
         }
         let joints = joint_summaries(&skeleton, &seams);
-        Self { skeleton, elastic_points, scales, bones, joints, levels, cancelled }
+        Self { skeleton, elastic_points, scales, coefficients, bones, joints, levels, cancelled }
     }
 
     /// Closest-point iterations of all levels.
