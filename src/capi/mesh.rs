@@ -96,15 +96,13 @@ pub unsafe extern "C" fn mlg_tri_mesh_save(
                 surface.mesh.points.len()
             )));
         }
-        Ok(match &surface.file {
-            Some(file) => file.write_with_points(&path, &points)?,
-            None => {
-                write_surface(
-                    &path,
-                    &TriMesh { points, triangles: surface.mesh.triangles.clone() },
-                )?;
-            }
-        })
+        if let Some(file) = &surface.file {
+            file.write_with_points(&path, &points)?;
+        } else {
+            let triangles = surface.mesh.triangles.clone();
+            write_surface(&path, &TriMesh { points, triangles })?;
+        }
+        Ok(())
     })
 }
 
