@@ -73,7 +73,7 @@ fn configurations() -> Vec<(&'static str, Options)> {
         ("clusters and bone scales, no joints", Options { use_joints: false, ..published() }),
         ("published loop: clusters, scales, joints", published()),
         ("the same, template to target pairs only", Options { both_ways: false, ..published() }),
-        ("default", Options::default()),
+        ("default", near()),
     ]
 }
 

@@ -9,19 +9,17 @@ use std::time::Instant;
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 
-use super::areas::{mean_edge, vertex_areas};
+use super::areas::vertex_areas;
 use super::bone_scales::{BoneScales, ScaleFreedom, put_in_place};
-use super::correspond::{Correspond, Correspondences, PairRules};
-use super::elastic::{Elastic, whole_motion};
-use super::fast_sums::FastSums;
+use super::correspond::{Correspond, Correspondences};
+use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
-use super::options::{Clustering, Options, Schedule};
+use super::levels::Level;
+use super::options::{Options, Schedule};
 use super::pose::{BoneMoments, project_pose, rigid_targets, settle_tree};
-use super::pose_starts::{branches, towards_mid_range};
-use super::prealign::rigid_start;
-use super::sampled_clusters::SampledClusters;
 use super::shape_model::ShapeModel;
 use super::skeleton::{Joint, Skeleton};
+use super::start::START_SPACING;
 use super::summary::{Found, LevelTrace, Registered};
 use super::target::Target;
 use crate::error::{Error, Result};
@@ -33,68 +31,33 @@ use crate::run::Run;
 const UNSEEN_WEIGHT: f64 = 1e-6;
 /// Sweeps over the joints at the end, so that loops close as well.
 const FINAL_SWEEPS: usize = 100;
-/// Updates that tell a good starting pose from a bad one.
-const START_UPDATES: usize = 10;
-/// Factor of the pull between bone scales from each level to the next coarser one: as long as bones
-/// may lie on their neighbours, they must not change their length for it.
-const EARLY_PULL: f64 = 3.0;
-/// A pose replaces another only when the pairs' distance falls to this share.
-const CLEARLY_BETTER: f64 = 0.95;
-/// Rounds of repair.
-const REPAIR_ROUNDS: usize = 3;
-/// A bone is tried in other poses when it fits this many times worse than the middle bone.
-const BAD_FIT: f64 = 2.5;
-/// And this far from its surface, as a share of the template's diagonal.
-const BAD_DISTANCE: f64 = 0.005;
-/// Poses tried, as shares of the way to the middle of the range.
-const REPAIR_SHARES: [f64; 5] = [0.0, 0.4, 0.8, 1.2, 1.6];
-/// Spacing of the pairs meanwhile, as a share of the template's diagonal.
-const START_SPACING: f64 = 0.03;
 
 /// A template prepared for registration to many targets.
 #[derive(Clone, Debug)]
 pub struct Registration {
-    template: Skeleton,
-    areas: Vec<f64>,
-    bone_of: Vec<u32>,
-    diagonal: f64,
-    options: Options,
-    levels: Vec<Level>,
+    pub(super) template: Skeleton,
+    pub(super) areas: Vec<f64>,
+    pub(super) bone_of: Vec<u32>,
+    pub(super) diagonal: f64,
+    pub(super) options: Options,
+    pub(super) levels: Vec<Level>,
     scales: BoneScales,
     /// Statistics instead of bone scales.
     model: Option<ShapeModel>,
     /// The heaviest bone.
-    root: usize,
-}
-
-/// One cluster size with its rules.
-#[derive(Clone, Debug)]
-struct Level {
-    radius: f64,
-    elastic: Elastic,
-    rules: PairRules,
-    freedom: ScaleFreedom,
-    /// Strength of the pull of bone scales towards each other against the final one.
-    scale_pull: f64,
-    spacing: f64,
+    pub(super) root: usize,
 }
 
 /// What the loop changes.
 #[derive(Clone)]
-struct State {
+pub(super) struct State {
     /// Reference points and joint frames.
-    reference: Skeleton,
+    pub(super) reference: Skeleton,
     /// The deformed points.
-    points: Vec<Vec3>,
-    scales: Vec<Vec3>,
+    pub(super) points: Vec<Vec3>,
+    pub(super) scales: Vec<Vec3>,
     /// Coefficients of the shape model, in standard deviations.
-    coefficients: Vec<f64>,
-}
-
-/// Distances of the pairs, dropped ones too.
-struct Misfit {
-    rms: f64,
-    of_bone: Vec<f64>,
+    pub(super) coefficients: Vec<f64>,
 }
 
 /// Registers `template` to `target` in one call.
@@ -151,78 +114,6 @@ impl Registration {
         Ok(self)
     }
 
-    fn make_levels(&self) -> Result<Vec<Level>> {
-        let edge = mean_edge(&self.template.points, &self.template.triangles);
-        let radii = self.options.radii(self.diagonal, edge);
-        if radii.is_empty() || radii.iter().any(|r| r.is_nan() || *r <= 0.0) {
-            return Err(Error::invalid("cluster radii must be above 0; give at least one"));
-        }
-        let mut levels = Vec::new();
-        for (k, &radius) in radii.iter().enumerate() {
-            let freedom = match k {
-                0 => ScaleFreedom::Whole,
-                1 => ScaleFreedom::PerBone,
-                _ => ScaleFreedom::PerAxis,
-            };
-            let rules = self.rules(self.options.min_cosine, None);
-            levels.push(self.level(radius, freedom, rules, self.options.separate_bones)?);
-            levels[k].scale_pull = EARLY_PULL.powi((radii.len() - 1 - k).min(3) as i32);
-        }
-        let mut radius = radii[radii.len() - 1];
-        let finest = self.options.finest_in_edges * edge;
-        while self.options.refine_bones && radius.is_finite() {
-            let rules = self.rules(self.options.last_min_cosine, Some(self.options.robust_factor));
-            levels.push(self.level(radius, ScaleFreedom::PerAxis, rules, true)?);
-            radius /= 2.0;
-            if radius < finest {
-                break;
-            }
-        }
-        Ok(levels)
-    }
-
-    fn rules(&self, min_cosine: f64, robust: Option<f64>) -> PairRules {
-        PairRules {
-            min_cosine,
-            robust,
-            robust_floor: 0.005 * self.diagonal,
-            both_ways: self.options.both_ways,
-        }
-    }
-
-    fn level(
-        &self,
-        radius: f64,
-        freedom: ScaleFreedom,
-        rules: PairRules,
-        bones_apart: bool,
-    ) -> Result<Level> {
-        let (points, triangles) = (&self.template.points, &self.template.triangles);
-        let bone_of = bones_apart.then_some(self.bone_of.as_slice());
-        let elastic = match self.options.clustering {
-            _ if radius.is_infinite() && !bones_apart => Elastic::Rigid,
-            Clustering::Exact if !bones_apart => {
-                Elastic::Exact(FastSums::new(points, triangles, radius)?)
-            }
-            Clustering::Exact => Elastic::Sampled(SampledClusters::new(
-                points,
-                radius.min(self.diagonal),
-                0.25,
-                bone_of,
-            )),
-            Clustering::Sampled { spacing } => Elastic::Sampled(SampledClusters::new(
-                points,
-                radius.min(self.diagonal),
-                spacing,
-                bone_of,
-            )),
-        };
-        let freedom = freedom.min(self.options.scale_freedom);
-        let spacing =
-            (self.options.pair_spacing * radius).min(self.options.coarsest_pairs * self.diagonal);
-        Ok(Level { radius, elastic, rules, freedom, scale_pull: 1.0, spacing })
-    }
-
     /// Registers to one target. A cancelled run returns what it has, marked as such.
     pub fn register(&self, target: &Target, run: &Run) -> Result<Registered> {
         if target.is_labelled() && target.surfaces.len() != self.template.bones.len() {
@@ -248,109 +139,11 @@ impl Registration {
         Ok(self.finish(state, target, trace, run.is_cancelled()))
     }
 
-    /// Tries the starting poses with rigid bones, keeps the one that comes nearest.
-    fn start(&self, target: &Target, search: &mut Correspond, run: &Run) -> State {
-        run.enter("rigid start", 0.0);
-        let mut poses = self.options.pose_starts.clone();
-        if poses.is_empty() || !self.options.use_joints {
-            poses = vec![0.0];
-        }
-        let mut best: Option<(f64, State)> = None;
-        for &share in &poses {
-            let mut state = self.posed(target, share);
-            let mut distance = 0.0;
-            if poses.len() > 1 {
-                distance = self
-                    .run_level(&self.levels[0], search, &mut state, run, START_UPDATES)
-                    .rms_distance;
-            }
-            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
-                best = Some((distance, state));
-            }
-        }
-        best.map_or_else(|| self.posed(target, 0.0), |(_, state)| state)
-    }
-
-    /// Finds bones that fit much worse than the others and tries other poses for the branches that
-    /// hang on them: two fingers that have exchanged their tips do not come apart by themselves.
-    fn repair(&self, search: &mut Correspond, state: &mut State, run: &Run) {
-        let level = &self.levels[0];
-        let Some(mut best) = self.misfit(search, state) else { return };
-        for _ in 0..REPAIR_ROUNDS {
-            let heads = self.badly_fitted(&best);
-            let branches = branches(&self.template, self.root, &heads);
-            if branches.is_empty() || run.is_cancelled() {
-                return;
-            }
-            let all = (0..heads.len()).map(|b| branches.iter().any(|marks| marks[b])).collect();
-            let before = best.rms;
-            for marks in std::iter::once(all).chain(branches) {
-                if !self.badly_fitted(&best).contains(&true) {
-                    return;
-                }
-                for share in REPAIR_SHARES {
-                    let mut other = state.clone();
-                    let motions = towards_mid_range(
-                        &self.template,
-                        &other.reference,
-                        self.root,
-                        &marks,
-                        share,
-                    );
-                    other.reference.move_bones(&motions);
-                    other.points.clone_from(&other.reference.points);
-                    self.run_level(level, search, &mut other, run, START_UPDATES);
-                    if let Some(misfit) = self.misfit(search, &other)
-                        && misfit.rms < CLEARLY_BETTER * best.rms
-                    {
-                        best = misfit;
-                        *state = other;
-                    }
-                }
-            }
-            if best.rms > CLEARLY_BETTER * before {
-                return;
-            }
-        }
-    }
-
-    /// Bones whose pairs are much farther than those of the middle bone, and far in themselves.
-    fn badly_fitted(&self, misfit: &Misfit) -> Vec<bool> {
-        let mut sorted: Vec<f64> =
-            misfit.of_bone.iter().copied().filter(|r| r.is_finite()).collect();
-        sorted.sort_by(f64::total_cmp);
-        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY);
-        let far = (BAD_FIT * middle).max(BAD_DISTANCE * self.diagonal);
-        misfit.of_bone.iter().map(|&r| r > far).collect()
-    }
-
-    /// Root mean square pair distances of the deformed shape; `None` without pairs.
-    fn misfit(&self, search: &mut Correspond, state: &State) -> Option<Misfit> {
-        let pairs = search.at(&state.points, &self.levels[0].rules);
-        let of_bone =
-            self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
-        let rms = pairs.rms_distance;
-        rms.is_finite().then_some(Misfit { rms, of_bone })
-    }
-
     fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
         Correspond::new(&self.template, &self.areas, target, spacing)
     }
 
-    fn posed(&self, target: &Target, share: f64) -> State {
-        let mut reference = self.template.clone();
-        let all = vec![true; reference.bones.len()];
-        let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
-        reference.move_bones(&motions);
-        if self.options.align {
-            let motion = rigid_start(&reference, &self.areas, target);
-            reference.move_bones(&vec![motion; reference.bones.len()]);
-        }
-        let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
-        State { points: reference.points.clone(), reference, scales, coefficients: Vec::new() }
-    }
-
-    fn run_level(
+    pub(super) fn run_level(
         &self,
         level: &Level,
         search: &mut Correspond,
@@ -485,16 +278,6 @@ impl Registration {
         let found =
             Found { skeleton: reference, elastic_points: points, scales, coefficients, seams };
         Registered::new(found, &pairs, levels, cancelled)
-    }
-}
-
-impl Level {
-    fn name(&self) -> String {
-        if self.radius.is_infinite() {
-            "bones as rigid bodies".into()
-        } else {
-            format!("clusters of radius {:.3}", self.radius)
-        }
     }
 }
 

@@ -1,0 +1,111 @@
+//! The levels of the loop, coarse to fine: cluster sizes with their rules.
+
+use super::areas::mean_edge;
+use super::bone_scales::ScaleFreedom;
+use super::correspond::PairRules;
+use super::elastic::Elastic;
+use super::fast_sums::FastSums;
+use super::options::Clustering;
+use super::registration::Registration;
+use super::sampled_clusters::SampledClusters;
+use crate::error::{Error, Result};
+
+/// Factor of the pull between bone scales from each level to the next coarser one: as long as bones
+/// may lie on their neighbours, they must not change their length for it.
+const EARLY_PULL: f64 = 3.0;
+
+/// One cluster size with its rules.
+#[derive(Clone, Debug)]
+pub(super) struct Level {
+    pub(super) radius: f64,
+    pub(super) elastic: Elastic,
+    pub(super) rules: PairRules,
+    pub(super) freedom: ScaleFreedom,
+    /// Strength of the pull of bone scales towards each other against the final one.
+    pub(super) scale_pull: f64,
+    pub(super) spacing: f64,
+}
+
+impl Registration {
+    pub(super) fn make_levels(&self) -> Result<Vec<Level>> {
+        let edge = mean_edge(&self.template.points, &self.template.triangles);
+        let radii = self.options.radii(self.diagonal, edge);
+        if radii.is_empty() || radii.iter().any(|r| r.is_nan() || *r <= 0.0) {
+            return Err(Error::invalid("cluster radii must be above 0; give at least one"));
+        }
+        let mut levels = Vec::new();
+        for (k, &radius) in radii.iter().enumerate() {
+            let freedom = match k {
+                0 => ScaleFreedom::Whole,
+                1 => ScaleFreedom::PerBone,
+                _ => ScaleFreedom::PerAxis,
+            };
+            let rules = self.rules(self.options.min_cosine, None);
+            levels.push(self.level(radius, freedom, rules, self.options.separate_bones)?);
+            levels[k].scale_pull = EARLY_PULL.powi((radii.len() - 1 - k).min(3) as i32);
+        }
+        let mut radius = radii[radii.len() - 1];
+        let finest = self.options.finest_in_edges * edge;
+        while self.options.refine_bones && radius.is_finite() {
+            let rules = self.rules(self.options.last_min_cosine, Some(self.options.robust_factor));
+            levels.push(self.level(radius, ScaleFreedom::PerAxis, rules, true)?);
+            radius /= 2.0;
+            if radius < finest {
+                break;
+            }
+        }
+        Ok(levels)
+    }
+
+    pub(super) fn rules(&self, min_cosine: f64, robust: Option<f64>) -> PairRules {
+        PairRules {
+            min_cosine,
+            robust,
+            robust_floor: 0.005 * self.diagonal,
+            both_ways: self.options.both_ways,
+        }
+    }
+
+    fn level(
+        &self,
+        radius: f64,
+        freedom: ScaleFreedom,
+        rules: PairRules,
+        bones_apart: bool,
+    ) -> Result<Level> {
+        let (points, triangles) = (&self.template.points, &self.template.triangles);
+        let bone_of = bones_apart.then_some(self.bone_of.as_slice());
+        let elastic = match self.options.clustering {
+            _ if radius.is_infinite() && !bones_apart => Elastic::Rigid,
+            Clustering::Exact if !bones_apart => {
+                Elastic::Exact(FastSums::new(points, triangles, radius)?)
+            }
+            Clustering::Exact => Elastic::Sampled(SampledClusters::new(
+                points,
+                radius.min(self.diagonal),
+                0.25,
+                bone_of,
+            )),
+            Clustering::Sampled { spacing } => Elastic::Sampled(SampledClusters::new(
+                points,
+                radius.min(self.diagonal),
+                spacing,
+                bone_of,
+            )),
+        };
+        let freedom = freedom.min(self.options.scale_freedom);
+        let spacing =
+            (self.options.pair_spacing * radius).min(self.options.coarsest_pairs * self.diagonal);
+        Ok(Level { radius, elastic, rules, freedom, scale_pull: 1.0, spacing })
+    }
+}
+
+impl Level {
+    pub(super) fn name(&self) -> String {
+        if self.radius.is_infinite() {
+            "bones as rigid bodies".into()
+        } else {
+            format!("clusters of radius {:.3}", self.radius)
+        }
+    }
+}

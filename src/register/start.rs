@@ -1,0 +1,130 @@
+//! Where the loop starts: the best of some poses, and other poses for branches that went wrong.
+
+use super::correspond::Correspond;
+use super::pose_starts::{branches, towards_mid_range};
+use super::prealign::rigid_start;
+use super::registration::{Registration, State};
+use super::target::Target;
+use crate::math::Vec3;
+use crate::run::Run;
+
+/// Updates that tell a good starting pose from a bad one.
+const START_UPDATES: usize = 10;
+/// A pose replaces another only when the pairs' distance falls to this share.
+const CLEARLY_BETTER: f64 = 0.95;
+/// Rounds of repair.
+const REPAIR_ROUNDS: usize = 3;
+/// A bone is tried in other poses when it fits this many times worse than the middle bone.
+const BAD_FIT: f64 = 2.5;
+/// And this far from its surface, as a share of the template's diagonal.
+const BAD_DISTANCE: f64 = 0.005;
+/// Poses tried, as shares of the way to the middle of the range.
+const REPAIR_SHARES: [f64; 5] = [0.0, 0.4, 0.8, 1.2, 1.6];
+/// Spacing of the pairs meanwhile, as a share of the template's diagonal.
+pub(super) const START_SPACING: f64 = 0.03;
+
+/// Distances of the pairs, dropped ones too.
+struct Misfit {
+    rms: f64,
+    of_bone: Vec<f64>,
+}
+
+impl Registration {
+    /// Tries the starting poses with rigid bones, keeps the one that comes nearest.
+    pub(super) fn start(&self, target: &Target, search: &mut Correspond, run: &Run) -> State {
+        run.enter("rigid start", 0.0);
+        let mut poses = self.options.pose_starts.clone();
+        if poses.is_empty() || !self.options.use_joints {
+            poses = vec![0.0];
+        }
+        let mut best: Option<(f64, State)> = None;
+        for &share in &poses {
+            let mut state = self.posed(target, share);
+            let mut distance = 0.0;
+            if poses.len() > 1 {
+                distance = self
+                    .run_level(&self.levels[0], search, &mut state, run, START_UPDATES)
+                    .rms_distance;
+            }
+            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
+                best = Some((distance, state));
+            }
+        }
+        best.map_or_else(|| self.posed(target, 0.0), |(_, state)| state)
+    }
+
+    /// Finds bones that fit much worse than the others and tries other poses for the branches that
+    /// hang on them: two fingers that have exchanged their tips do not come apart by themselves.
+    pub(super) fn repair(&self, search: &mut Correspond, state: &mut State, run: &Run) {
+        let level = &self.levels[0];
+        let Some(mut best) = self.misfit(search, state) else { return };
+        for _ in 0..REPAIR_ROUNDS {
+            let heads = self.badly_fitted(&best);
+            let branches = branches(&self.template, self.root, &heads);
+            if branches.is_empty() || run.is_cancelled() {
+                return;
+            }
+            let all = (0..heads.len()).map(|b| branches.iter().any(|marks| marks[b])).collect();
+            let before = best.rms;
+            for marks in std::iter::once(all).chain(branches) {
+                if !self.badly_fitted(&best).contains(&true) {
+                    return;
+                }
+                for share in REPAIR_SHARES {
+                    let mut other = state.clone();
+                    let motions = towards_mid_range(
+                        &self.template,
+                        &other.reference,
+                        self.root,
+                        &marks,
+                        share,
+                    );
+                    other.reference.move_bones(&motions);
+                    other.points.clone_from(&other.reference.points);
+                    self.run_level(level, search, &mut other, run, START_UPDATES);
+                    if let Some(misfit) = self.misfit(search, &other)
+                        && misfit.rms < CLEARLY_BETTER * best.rms
+                    {
+                        best = misfit;
+                        *state = other;
+                    }
+                }
+            }
+            if best.rms > CLEARLY_BETTER * before {
+                return;
+            }
+        }
+    }
+
+    /// Bones whose pairs are much farther than those of the middle bone, and far in themselves.
+    fn badly_fitted(&self, misfit: &Misfit) -> Vec<bool> {
+        let mut sorted: Vec<f64> =
+            misfit.of_bone.iter().copied().filter(|r| r.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let far = (BAD_FIT * middle).max(BAD_DISTANCE * self.diagonal);
+        misfit.of_bone.iter().map(|&r| r > far).collect()
+    }
+
+    /// Root mean square pair distances of the deformed shape; `None` without pairs.
+    fn misfit(&self, search: &mut Correspond, state: &State) -> Option<Misfit> {
+        let pairs = search.at(&state.points, &self.levels[0].rules);
+        let of_bone =
+            self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
+        let rms = pairs.rms_distance;
+        rms.is_finite().then_some(Misfit { rms, of_bone })
+    }
+
+    fn posed(&self, target: &Target, share: f64) -> State {
+        let mut reference = self.template.clone();
+        let all = vec![true; reference.bones.len()];
+        let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
+        reference.move_bones(&motions);
+        if self.options.align {
+            let motion = rigid_start(&reference, &self.areas, target);
+            reference.move_bones(&vec![motion; reference.bones.len()]);
+        }
+        let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
+        State { points: reference.points.clone(), reference, scales, coefficients: Vec::new() }
+    }
+}
