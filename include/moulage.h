@@ -284,7 +284,7 @@ typedef struct {
    */
   double tolerance;
   /**
-   * How far a landmark may be off. 0 (default): `tolerance`.
+   * How far a landmark may be off. 0 (default): 5 times `tolerance`.
    */
   double landmark_tolerance;
   /**
@@ -297,7 +297,7 @@ typedef struct {
   double smoothness;
   /**
    * Distance over which the strain returns to its mean away from data, as a multiple of the cube
-   * root of the template's volume; INFINITY: never.
+   * root of the template's volume; INFINITY: never. 0 (default): by how much of it was seen.
    */
   double screening;
   /**
@@ -316,6 +316,15 @@ typedef struct {
    * Threads to use; 0 (default): all. The result does not depend on it.
    */
   uint32_t thread_count;
+  /**
+   * 1: the published formulation, for comparison. 0 (default): the improved one.
+   */
+  uint32_t paper;
+  /**
+   * 1 (default): template points far from every marker are pulled back, except beyond the ends of
+   * a scan that cuts the organ. 0: they are left alone.
+   */
+  uint32_t reverse_term;
   /**
    * Leave at 0.
    */
@@ -780,11 +789,11 @@ const double *mlg_reshaping_result_points(const MlgReshapingResult *result, size
 const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result, size_t *out_count);
 
 /**
- * The logarithm of the plastic strain at each point of the tet mesh: `6 * *out_count` numbers, the
- * symmetric matrix as xx, xy, xz, yy, yz, zz; borrowed until the result is freed. NULL for a
- * handle that is not valid. `out_count`: may be NULL.
+ * The plastic strain Fp of each tet: `9 * *out_count` numbers, a symmetric 3x3 matrix each;
+ * borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
  */
-const double *mlg_reshaping_result_strains(const MlgReshapingResult *result, size_t *out_count);
+const double *mlg_reshaping_result_plastic_strains(const MlgReshapingResult *result,
+                                                   size_t *out_count);
 
 /**
  * The distance of each marker to the result: `*out_count` numbers in the markers' order, borrowed

@@ -30,14 +30,14 @@ pub struct MlgReshapingOptions {
     pub struct_size: usize,
     /// How far a marker may be off. 0 (default): the template's diagonal / 1000.
     pub tolerance: f64,
-    /// How far a landmark may be off. 0 (default): `tolerance`.
+    /// How far a landmark may be off. 0 (default): 5 times `tolerance`.
     pub landmark_tolerance: f64,
     /// How far an attachment may be off. 0 (default): `tolerance`.
     pub attachment_tolerance: f64,
     /// Weight of the smoothness of the plastic strain, without unit.
     pub smoothness: f64,
     /// Distance over which the strain returns to its mean away from data, as a multiple of the cube
-    /// root of the template's volume; INFINITY: never.
+    /// root of the template's volume; INFINITY: never. 0 (default): by how much of it was seen.
     pub screening: f64,
     /// Poisson's ratio of the tissue, above 0 and below 0.5.
     pub poisson: f64,
@@ -47,6 +47,11 @@ pub struct MlgReshapingOptions {
     pub max_iterations: u32,
     /// Threads to use; 0 (default): all. The result does not depend on it.
     pub thread_count: u32,
+    /// 1: the published formulation, for comparison. 0 (default): the improved one.
+    pub paper: u32,
+    /// 1 (default): template points far from every marker are pulled back, except beyond the ends of
+    /// a scan that cuts the organ. 0: they are left alone.
+    pub reverse_term: u32,
     /// Leave at 0.
     pub reserved: u32,
 }
@@ -62,11 +67,13 @@ fn defaults() -> MlgReshapingOptions {
         landmark_tolerance: options.landmark_tolerance.unwrap_or(0.0),
         attachment_tolerance: options.attachment_tolerance.unwrap_or(0.0),
         smoothness: options.smoothness,
-        screening: options.screening,
+        screening: options.screening.unwrap_or(0.0),
         poisson: options.poisson,
         hard_attachments: u32::from(options.hard_attachments),
         max_iterations: options.max_iterations as u32,
         thread_count: 0,
+        paper: u32::from(options.paper),
+        reverse_term: u32::from(options.reverse_term),
         reserved: 0,
     }
 }
@@ -87,23 +94,27 @@ pub unsafe extern "C" fn mlg_reshaping_options_init(
 pub(super) unsafe fn options_of(given: *const MlgReshapingOptions) -> Outcome<(Options, usize)> {
     // SAFETY: passed on from the caller.
     let given = unsafe { buffers::options(given, defaults())? };
-    if given.hard_attachments > 1 || given.reserved != 0 {
+    if given.hard_attachments > 1
+        || given.paper > 1
+        || given.reverse_term > 1
+        || given.reserved != 0
+    {
         return Err(Failure::invalid(
-            "options: hard_attachments must be 0 or 1 and reserved 0; start from mlg_reshaping_options_init",
+            "options: hard_attachments, paper and reverse_term must be 0 or 1 and reserved 0; start from mlg_reshaping_options_init",
         ));
     }
     let length = |value: f64| if value == 0.0 { None } else { Some(value) };
-    #[allow(clippy::needless_update)] // options that have no field here yet keep their defaults
     let options = Options {
         tolerance: length(given.tolerance),
         landmark_tolerance: length(given.landmark_tolerance),
         attachment_tolerance: length(given.attachment_tolerance),
         smoothness: given.smoothness,
-        screening: given.screening,
+        screening: length(given.screening),
         poisson: given.poisson,
         hard_attachments: given.hard_attachments == 1,
+        paper: given.paper == 1,
+        reverse_term: given.reverse_term == 1,
         max_iterations: given.max_iterations as usize,
-        ..Options::default()
     };
     options.check()?;
     Ok((options, given.thread_count as usize))

@@ -125,18 +125,17 @@ pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
     })
 }
 
-/// The logarithm of the plastic strain at each point of the tet mesh: `6 * *out_count` numbers, the
-/// symmetric matrix as xx, xy, xz, yy, yz, zz; borrowed until the result is freed. NULL for a
-/// handle that is not valid. `out_count`: may be NULL.
+/// The plastic strain Fp of each tet: `9 * *out_count` numbers, a symmetric 3x3 matrix each;
+/// borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_reshaping_result_strains(
+pub unsafe extern "C" fn mlg_reshaping_result_plastic_strains(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
     guard_or(ptr::null(), || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.reshaped.strain, out_count) })
+        Ok(unsafe { buffers::lend(&result.reshaped.plastic_strain, out_count) })
     })
 }
 

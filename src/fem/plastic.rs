@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::math::symmetric3::{exp_with_derivatives, to_matrix, unit};
+use crate::math::symmetric3::{exp, exp_with_derivatives, from_matrix, to_matrix, unit};
 use crate::math::{Mat3, Sym3};
 
 /// Where the field lives.
@@ -71,11 +71,11 @@ impl StrainSpace {
     /// Fp per tet, as published.
     pub const PAPER: Self = Self { carrier: Carrier::Tets, chart: Chart::Matrix };
 
-    /// The six numbers of Fp = I.
-    pub fn rest(&self) -> Sym3 {
+    /// The six numbers of Fp = exp(S).
+    pub fn from_logarithm(&self, s: &Sym3) -> Sym3 {
         match self.chart {
-            Chart::Logarithm => Sym3::zeros(),
-            Chart::Matrix => Sym3::new(1.0, 0.0, 0.0, 1.0, 0.0, 1.0),
+            Chart::Logarithm => *s,
+            Chart::Matrix => from_matrix(&exp(s)),
         }
     }
 
@@ -113,7 +113,7 @@ impl StrainSpace {
     pub fn plastic_strain(&self, field: &[Sym3], t: usize, tet: &[u32; 4]) -> Mat3 {
         let s = self.at_tet(field, t, tet);
         match self.chart {
-            Chart::Logarithm => crate::math::symmetric3::exp(&s),
+            Chart::Logarithm => exp(&s),
             Chart::Matrix => to_matrix(&s),
         }
     }

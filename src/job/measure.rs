@@ -4,8 +4,7 @@ use serde::Serialize;
 
 use super::inputs::Pair;
 use crate::locate::{ClosestPoints, Embedding, NearestPoints};
-use crate::math::symmetric3;
-use crate::math::{Mat3, Sym3, Vec3};
+use crate::math::{Mat3, Vec3};
 use crate::mesh::TetMesh;
 
 /// Mean, 95th percentile and largest of some distances, in the template's unit.
@@ -58,12 +57,6 @@ pub fn pair_distances(pairs: &[Pair], before: &TetMesh, after: &[Vec3]) -> Vec<(
 pub fn distance_to_markers(points: &[Vec3], markers: &[Vec3]) -> Vec<f64> {
     let nearest = NearestPoints::new(markers);
     points.iter().map(|p| nearest.nearest(p).map_or(0.0, |(_, distance)| distance)).collect()
-}
-
-/// Plastic strain of every tet: the exponential of the mean of its corners' logarithms.
-pub fn plastic_strains(mesh: &TetMesh, logarithms: &[Sym3]) -> Vec<Mat3> {
-    let mean = |tet: &[u32; 4]| tet.iter().map(|&v| logarithms[v as usize]).sum::<Sym3>() / 4.0;
-    mesh.tets.iter().map(|tet| symmetric3::exp(&mean(tet))).collect()
 }
 
 /// Principal stretches of a deformation, largest first.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::fill::Filling;
 use super::inputs::Inputs;
-use super::measure::{distance_to_markers, plastic_strains, principal_stretches};
+use super::measure::{distance_to_markers, principal_stretches};
 use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
@@ -104,7 +104,7 @@ fn write_carried(
 /// The deformed tets; plastic strain and its principal stretches per tet (\[W\] Fig. 1 d, e).
 fn write_tets(path: &Path, filling: &Filling, outcome: &Outcome) -> Result<()> {
     let reshaped = &outcome.reshaped;
-    let strains = plastic_strains(&filling.mesh, &reshaped.strain);
+    let strains = &reshaped.plastic_strain;
     let stretches: Vec<_> = strains.iter().map(principal_stretches).collect();
     let matrices: Vec<f64> =
         strains.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect();

@@ -124,10 +124,12 @@ fn problem(inputs: &Inputs, filling: &Filling) -> Problem {
 fn options(job: &ReshapeJob) -> Options {
     let mut options = Options::default();
     set(&mut options.hard_attachments, job.hard_attachments);
+    set(&mut options.paper, job.paper);
+    set(&mut options.reverse_term, job.reverse_term);
     set(&mut options.smoothness, job.smoothness);
-    set(&mut options.screening, job.screening);
     set(&mut options.poisson, job.poisson);
     set(&mut options.max_iterations, job.max_iterations);
+    options.screening = job.screening;
     options.tolerance = job.tolerance;
     options.landmark_tolerance = job.landmark_tolerance;
     options.attachment_tolerance = job.attachment_tolerance;

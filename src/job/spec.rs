@@ -83,7 +83,7 @@ pub struct ReshapeJob {
     /// How far markers may be off: their noise [default: the template's diagonal / 1000]
     #[cfg_attr(feature = "cli", arg(long, value_name = "LENGTH", help_heading = "Solver"))]
     pub tolerance: Option<f64>,
-    /// The same for landmarks [default: the tolerance]
+    /// The same for landmarks [default: 5 times the tolerance]
     #[cfg_attr(feature = "cli", arg(long, value_name = "LENGTH", help_heading = "Solver"))]
     pub landmark_tolerance: Option<f64>,
     /// The same for attachments [default: the tolerance]
@@ -93,6 +93,14 @@ pub struct ReshapeJob {
     #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, default_missing_value = "true",
         value_name = "BOOL", help_heading = "Solver"))]
     pub hard_attachments: Option<bool>,
+    /// Use the published formulation (per-tet Fp, graph Laplacian, Woodbury), for comparison
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, default_missing_value = "true",
+        value_name = "BOOL", help_heading = "Solver"))]
+    pub paper: Option<bool>,
+    /// Pull back template points far from every marker, except where the scan was cut [default: true]
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, default_missing_value = "true",
+        value_name = "BOOL", help_heading = "Solver"))]
+    pub reverse_term: Option<bool>,
     /// Weight of smoothness, without unit
     #[cfg_attr(feature = "cli", arg(long, value_name = "X", help_heading = "Solver"))]
     pub smoothness: Option<f64>,
@@ -189,6 +197,8 @@ impl ReshapeJob {
             landmark_tolerance,
             attachment_tolerance,
             hard_attachments,
+            paper,
+            reverse_term,
             smoothness,
             screening,
             poisson,

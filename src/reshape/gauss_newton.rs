@@ -95,7 +95,7 @@ impl Rows {
     }
 
     /// sqrt(c) direction . field(point), per row.
-    fn measure(&self, field: &[Vec3]) -> Vec<f64> {
+    pub(super) fn measure(&self, field: &[Vec3]) -> Vec<f64> {
         self.rows
             .iter()
             .map(|r| r.weight.sqrt() * r.direction.dot(&self.points[r.point].position(field)))
@@ -154,7 +154,7 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
     }
 
     /// Z^T a = -G^T K^-1 A^T sqrt(c) a.
-    fn transpose_multiply(&self, rows: &Rows, a: &[f64]) -> Vec<Sym3> {
+    pub(super) fn transpose_multiply(&self, rows: &Rows, a: &[f64]) -> Vec<Sym3> {
         let y = solve_vectors(self.stiffness, &rows.spread(a, self.x.len()));
         let flat: Vec<f64> = y.iter().flat_map(|v| [-v.x, -v.y, -v.z]).collect();
         let z = self.sensitivity.transpose_multiply(&flat, 1);
@@ -163,7 +163,7 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
 
     /// H with H^T H = Z R^+ Z^T (row-major, one column per row of data), and the sums of Z^T over
     /// all carriers: Z times each constant strain.
-    fn half_inverse(
+    pub(super) fn half_inverse(
         &self,
         rows: &Rows,
         smoothness: &StrainSmoothness,

@@ -9,6 +9,7 @@ mod problem;
 mod scene;
 mod solver;
 mod summary;
+mod woodbury;
 
 pub use gauss_newton::{Direction, Linearization, Row, Rows};
 pub use options::Options;

@@ -18,11 +18,16 @@ pub struct Options {
     /// Template points far from every marker are pulled back, except beyond the ends of a scan that
     /// cuts the organ. Acts only for markers that lie on parallel axis-aligned slices.
     pub reverse_term: bool,
-    /// Weight of the smoothness of the plastic strain, without unit.
+    /// The published formulation: a symmetric Fp per tet, smoothed by the graph Laplacian, stepped
+    /// by the Woodbury update. For comparison; the default is more accurate and takes less time.
+    pub paper: bool,
+    /// Weight of the smoothness of the plastic strain, without unit. Not used by
+    /// the published formulation, whose weight is 1.
     pub smoothness: f64,
     /// Distance over which the strain returns to its mean away from data, as a multiple of the
-    /// cube root of the template's volume. Infinite: never.
-    pub screening: f64,
+    /// cube root of the template's volume. Infinite: never. Default: from 0.1 for a template of which
+    /// hardly anything was seen, so that a local edit stays local, to 0.3 for one seen all around.
+    pub screening: Option<f64>,
     /// Poisson's ratio of the tissue.
     pub poisson: f64,
     /// Gauss-Newton iterations allowed.
@@ -37,9 +42,10 @@ impl Default for Options {
             attachment_tolerance: None,
             hard_attachments: false,
             reverse_term: true,
+            paper: false,
             smoothness: 0.05,
-            screening: 0.15,
-            poisson: 0.45,
+            screening: None,
+            poisson: 0.3,
             max_iterations: 40,
         }
     }
@@ -53,7 +59,7 @@ impl Options {
             ("landmark tolerance", self.landmark_tolerance),
             ("attachment tolerance", self.attachment_tolerance),
             ("smoothness", Some(self.smoothness)),
-            ("screening", Some(self.screening)),
+            ("screening", self.screening),
         ] {
             if value.is_some_and(|v| v.is_nan() || v <= 0.0) {
                 return Err(Error::invalid(format!("the {name} must be above 0")));

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::fem::{Body, MaterialPoint, Spring};
-use crate::locate::Embedding;
+use crate::locate::{Embedding, NearestPoints};
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
@@ -20,6 +20,12 @@ const SOFT_TOTAL: f64 = 2.0;
 
 /// A landmark is clicked less exactly than a marker: this many tolerances.
 const LANDMARK_TOLERANCE: f64 = 5.0;
+
+/// A surface point has been seen when a datum lies within this distance, in units of l.
+const SEEN_WITHIN: f64 = 0.25;
+
+/// Screening length where nothing and where everything was seen, in units of l.
+const SCREENING: [f64; 2] = [0.1, 0.3];
 
 /// Elements compressed below this share of their plastic rest volume are held back by a barrier of
 /// this strength (in units of Young's modulus), so that none inverts.
@@ -156,6 +162,20 @@ impl Scene {
                 .map_or(LANDMARK_TOLERANCE * tolerance, |t| t / length),
             attachment_sigma: options.attachment_tolerance.map_or(tolerance, |t| t / length),
         })
+    }
+
+    /// Screening length for the part of the surface of the shape `x` that has data near by.
+    pub fn default_screening(&self, x: &[Vec3]) -> f64 {
+        let targets = self.landmarks.iter().chain(&self.attachments).map(|pair| pair.target);
+        let data: Vec<Vec3> = self.markers.iter().map(|m| m.0).chain(targets).collect();
+        let nearest = NearestPoints::new(&data);
+        let surface = self.embedding.apply(x);
+        let seen = surface
+            .iter()
+            .filter(|p| nearest.nearest(p).is_some_and(|(_, distance)| distance < SEEN_WITHIN))
+            .count();
+        let [least, most] = SCREENING;
+        least + (most - least) * seen as f64 / surface.len() as f64
     }
 
     /// Positions in the template's unit and frame.

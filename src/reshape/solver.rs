@@ -2,12 +2,12 @@
 
 use crate::error::Result;
 use crate::fem::{
-    Equilibrium, EquilibriumOptions, Outcome, PlasticState, RigidMotion, Sensitivity,
+    Chart, Equilibrium, EquilibriumOptions, Outcome, PlasticState, RigidMotion, Sensitivity,
     StrainSmoothness, StrainSpace,
 };
 use crate::locate::ClosestPoints;
-use crate::math::symmetric3::to_matrix;
-use crate::math::{Sym3, Vec3};
+use crate::math::symmetric3::{eigen, exp, log, to_matrix};
+use crate::math::{Mat3, Sym3, Vec3};
 use crate::run::Run;
 
 use super::affine_start::affine_start;
@@ -25,7 +25,7 @@ const MAX_STRAIN_STEP: f64 = 0.9;
 const FIRST_DATA_SCALE: f64 = 1e-4;
 const DATA_SCALE_GROWTH: f64 = 4.0;
 
-/// A relative decrease of the objective below this ends the run.
+/// Two relative decreases of the objective below this, one after the other, end the run.
 const SMALL_DECREASE: f64 = 0.01;
 
 /// Step halvings before a direction is given up.
@@ -47,8 +47,8 @@ pub struct Reshaped {
     pub surface_points: Vec<Vec3>,
     /// The tet mesh's vertices.
     pub tet_points: Vec<Vec3>,
-    /// Logarithm of the plastic strain at each vertex of the tet mesh.
-    pub strain: Vec<Sym3>,
+    /// Plastic strain Fp of each tet (symmetric positive definite).
+    pub plastic_strain: Vec<Mat3>,
     /// What happened.
     pub summary: Summary,
 }
@@ -66,6 +66,7 @@ struct Solver<'a> {
     options: &'a Options,
     run: &'a Run,
     tree: ClosestPoints,
+    space: StrainSpace,
     smoothness: StrainSmoothness,
     anchor: Vec<Sym3>,
     summary: Summary,
@@ -87,25 +88,35 @@ impl<'a> Solver<'a> {
         let scene = Scene::new(problem, options)?;
         let mut tree =
             ClosestPoints::new(&scene.embedding.apply(&scene.body.mesh.points), &scene.triangles);
-        let carriers = scene.body.mesh.points.len();
+        let space = if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM };
+        let carriers = space.carriers(scene.body.mesh.points.len(), scene.body.mesh.tets.len());
         let (strain, x) = if scene.body.is_free() {
             let start = affine_start(&scene, &mut tree)?;
             (start.strain, start.x)
         } else {
             (Sym3::zeros(), scene.body.mesh.points.clone())
         };
-        let anchor = vec![strain; carriers];
+        let anchor = vec![space.from_logarithm(&strain); carriers];
+        let screening = options.screening.unwrap_or_else(|| scene.default_screening(&x));
         let floor = |fraction: &f64| fraction.max(SMALLEST_TET_WEIGHT);
         let tet_weight: Vec<f64> = problem.inside_fraction.iter().map(floor).collect();
         let smoothness = StrainSmoothness::new(
             &scene.body,
-            &StrainSpace::NODAL_LOGARITHM,
-            options.smoothness,
-            options.screening.is_finite().then_some(options.screening),
+            &space,
+            if options.paper { PAPER_SMOOTHNESS } else { options.smoothness },
+            (screening.is_finite() && !options.paper).then_some(screening),
             &tet_weight,
         )?;
-        let mut solver =
-            Self { scene, options, run, tree, smoothness, anchor, summary: Summary::default() };
+        let mut solver = Self {
+            scene,
+            options,
+            run,
+            tree,
+            space,
+            smoothness,
+            anchor,
+            summary: Summary::default(),
+        };
         let s = solver.anchor.clone();
         let plastic = solver.plastic(&s);
         let equilibrium = solver.scene.body.equilibrate(x, &plastic, &START)?;
@@ -116,6 +127,7 @@ impl<'a> Solver<'a> {
     /// Gauss-Newton with a growing weight of the markers.
     fn minimize(&mut self, mut state: State) -> Result<State> {
         let mut scale = FIRST_DATA_SCALE;
+        let mut small_decreases = 0;
         loop {
             self.record(&state, scale);
             if let Some(stop) = self.stop(scale) {
@@ -131,7 +143,8 @@ impl<'a> Solver<'a> {
                 }
                 None => (0.0, false),
             };
-            if full && decrease < SMALL_DECREASE {
+            small_decreases = if decrease < SMALL_DECREASE { small_decreases + 1 } else { 0 };
+            if full && (small_decreases == 2 || !stepped) {
                 self.record(&state, scale);
                 self.summary.stop = if stepped { Stop::Settled } else { Stop::NoStep };
                 return Ok(state);
@@ -150,8 +163,7 @@ impl<'a> Solver<'a> {
         let objective = rows.energy() + self.prior(&state.s);
         let plastic = self.plastic(&state.s);
         let stiffness = self.scene.body.factor_stiffness(&state.x, &plastic)?;
-        let sensitivity =
-            Sensitivity::new(&self.scene.body, &StrainSpace::NODAL_LOGARITHM, &state.x, &plastic);
+        let sensitivity = Sensitivity::new(&self.scene.body, &self.space, &state.x, &plastic);
         let center = state.x.iter().sum::<Vec3>() / state.x.len() as f64;
         let at = Linearization {
             body: &self.scene.body,
@@ -160,9 +172,13 @@ impl<'a> Solver<'a> {
             x: &state.x,
             center,
         };
-        let direction = at.direction(&rows, &self.smoothness, &state.s, &self.anchor)?;
+        let direction = if self.options.paper && !self.scene.body.is_free() {
+            at.woodbury_direction(&rows, &self.smoothness, &state.s, &self.anchor)
+        } else {
+            at.direction(&rows, &self.smoothness, &state.s, &self.anchor)?
+        };
         let dx = at.shape_change(&direction.ds);
-        let mut eta = self.largest_step(&direction);
+        let mut eta = self.largest_step(&state.s, &direction);
         for _ in 0..MAX_HALVINGS {
             if self.run.is_cancelled() {
                 return Ok(None);
@@ -218,10 +234,14 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Keeps the strain of every tet from changing too much at once.
-    fn largest_step(&self, direction: &Direction) -> f64 {
-        let largest = direction.ds.iter().map(|ds| to_matrix(ds).norm()).fold(0.0, f64::max);
-        (MAX_STRAIN_STEP / largest.max(f64::MIN_POSITIVE)).min(1.0)
+    /// Keeps the strain of every carrier from changing too much at once and, where the field is Fp
+    /// itself, from coming near to singular.
+    fn largest_step(&self, s: &[Sym3], direction: &Direction) -> f64 {
+        let limit = |(s, ds): (&Sym3, &Sym3)| match self.space.chart {
+            Chart::Logarithm => MAX_STRAIN_STEP / to_matrix(ds).norm().max(f64::MIN_POSITIVE),
+            Chart::Matrix => to_boundary(&to_matrix(s), &to_matrix(ds)),
+        };
+        s.iter().zip(&direction.ds).map(limit).fold(1.0, f64::min)
     }
 
     fn objective(&mut self, state: &State, weights: &Weights) -> f64 {
@@ -235,7 +255,13 @@ impl<'a> Solver<'a> {
     }
 
     fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {
-        StrainSpace::NODAL_LOGARITHM.states(s, &self.scene.body.mesh.tets)
+        self.space.states(s, &self.scene.body.mesh.tets)
+    }
+
+    /// Fp of every tet.
+    fn plastic_strain(&self, s: &[Sym3]) -> Vec<Mat3> {
+        let tets = self.scene.body.mesh.tets.iter().enumerate();
+        tets.map(|(t, tet)| self.space.plastic_strain(s, t, tet)).collect()
     }
 
     /// Notes where the run stands and tells those who watch.
@@ -283,7 +309,7 @@ impl<'a> Solver<'a> {
         Reshaped {
             surface_points: self.scene.embedding.apply(&tet_points),
             tet_points,
-            strain: state.s.clone(),
+            plastic_strain: self.plastic_strain(&state.s),
             summary: self.summary,
         }
     }
@@ -292,3 +318,15 @@ impl<'a> Solver<'a> {
 /// Smallest share of a tet's volume that counts for the smoothness: nearly empty boundary tets
 /// of a lattice would otherwise be free to invert.
 const SMALLEST_TET_WEIGHT: f64 = 0.1;
+
+/// Weight of the graph Laplacian in the published formulation.
+const PAPER_SMOOTHNESS: f64 = 1.0;
+
+/// How far along `step` the matrix `fp` may go: 60 % of the way to a zero eigenvalue, and at most
+/// 1.2 times its own size.
+fn to_boundary(fp: &Mat3, step: &Mat3) -> f64 {
+    let root = exp(&(log(fp) * -0.5));
+    let (relative, _) = eigen(&(root * step * root));
+    let inward = 0.6 / (-relative.min()).max(f64::MIN_POSITIVE);
+    inward.min(1.2 / relative.max().max(f64::MIN_POSITIVE))
+}

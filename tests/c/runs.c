@@ -44,8 +44,8 @@ static void known_answer(uint32_t tet_count) {
            summary.mean_marker_distance, (unsigned)summary.iterations, summary.seconds);
     CHECK(worst < 0.06 && summary.mean_marker_distance < 0.01 && summary.inverted_tets == 0);
     CHECK(mlg_reshaping_result_marker_distances(one, &more) != NULL && more == (POINTS + 2) / 3);
-    CHECK(mlg_reshaping_result_strains(one, &count) && mlg_reshaping_result_tet_points(one, &more));
-    CHECK(count == more);
+    CHECK(mlg_reshaping_result_plastic_strains(one, &count) && mlg_reshaping_result_tet_points(one, &more));
+    CHECK(count > more); /* more tets than points */
     CHECK(mlg_reshaping_result_carry(one, inside, 1, inside, NULL) == MLG_STATUS_OK);
     CHECK(fabs(inside[0]) < 0.5 && inside[0] == inside[0]);
     mlg_reshaping_result_free(one);

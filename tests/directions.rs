@@ -1,0 +1,172 @@
+//! The ways to one Gauss-Newton direction agree: dual, Woodbury ([W]), dense Hessian.
+#![allow(clippy::unwrap_used)]
+
+use moulage::fem::{
+    Body, MaterialPoint, PlasticState, Sensitivity, Spring, StrainSmoothness, StrainSpace,
+};
+use moulage::material::StableNeoHookean;
+use moulage::math::{Sym3, Vec3};
+use moulage::mesh::TetMesh;
+use moulage::reshape::{Linearization, Rows};
+use moulage::solve::Factor;
+use nalgebra::{DMatrix, DVector};
+
+/// A block of 2 x 2 x 2 cells, five tets each.
+fn block() -> TetMesh {
+    let id = |i: u32, j: u32, k: u32| i + 3 * j + 9 * k;
+    let mut points = Vec::new();
+    for k in 0..3 {
+        for j in 0..3 {
+            for i in 0..3 {
+                let jitter = 0.05 * f64::from((7 * i + 5 * j + 3 * k) % 4);
+                points.push(Vec3::new(f64::from(i) + jitter, f64::from(j) - jitter, f64::from(k)));
+            }
+        }
+    }
+    let mut tets = Vec::new();
+    for (i, j, k) in (0..8).map(|c| (c & 1, c >> 1 & 1, c >> 2)) {
+        let flip = (i + j + k) % 2 == 1;
+        let corner = |a: u32, b: u32, c: u32| id(i + if flip { 1 - a } else { a }, j + b, k + c);
+        let [a, b, c, d] = [corner(0, 0, 0), corner(1, 1, 0), corner(1, 0, 1), corner(0, 1, 1)];
+        tets.push([a, b, c, d]);
+        tets.push([corner(1, 0, 0), a, b, c]);
+        tets.push([corner(0, 1, 0), a, b, d]);
+        tets.push([corner(0, 0, 1), a, c, d]);
+        tets.push([corner(1, 1, 1), b, c, d]);
+    }
+    TetMesh::new(points, tets).unwrap()
+}
+
+/// A loaded block with a field of strains near rest.
+struct Setup {
+    body: Body<StableNeoHookean>,
+    space: StrainSpace,
+    s: Vec<Sym3>,
+    x: Vec<Vec3>,
+    plastic: Vec<PlasticState>,
+    rows: Rows,
+}
+
+impl Setup {
+    fn new(space: StrainSpace) -> Self {
+        let mesh = block();
+        let hold = |v: u32| Spring {
+            point: MaterialPoint(vec![(v, 1.0)]),
+            target: mesh.points[v as usize] + Vec3::new(0.05, 0.02, 0.1) * f64::from(v % 3),
+            stiffness: 3.0,
+        };
+        let springs = [0, 2, 6, 8, 13].map(hold).to_vec();
+        let carriers = space.carriers(mesh.points.len(), mesh.tets.len());
+        let wave = |c: usize, p: usize| 0.1 * ((3 * c + 5 * p + 1) as f64).sin();
+        let s: Vec<Sym3> = (0..carriers)
+            .map(|c| space.from_logarithm(&Sym3::from_fn(|p, _| wave(c, p))))
+            .collect();
+        let plastic = space.states(&s, &mesh.tets);
+        let body = Body::new(mesh, StableNeoHookean::new(1.0, 0.3), springs).unwrap();
+        let options = moulage::fem::EquilibriumOptions { tolerance: 1e-11, max_steps: 50 };
+        let x = body.equilibrate(body.mesh.points.clone(), &plastic, &options).unwrap().x;
+        let mut rows = Rows::default();
+        for v in [18_u32, 20, 22, 24, 26] {
+            let point = MaterialPoint(vec![(v, 0.7), (v - 9, 0.3)]);
+            let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+            let residual = |d: &Vec3| 0.1 * (f64::from(v) + d.y).cos();
+            rows.add(point, axes.map(|d| (d, residual(&d), 20.0 + f64::from(v))));
+        }
+        Self { body, space, s, x, plastic, rows }
+    }
+
+    fn smoothness(&self, screening: Option<f64>) -> StrainSmoothness {
+        StrainSmoothness::new(
+            &self.body,
+            &self.space,
+            0.5,
+            screening,
+            &vec![1.0; self.body.rest.len()],
+        )
+        .unwrap()
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&Linearization<'_, StableNeoHookean>) -> T) -> T {
+        let stiffness: Factor = self.body.factor_stiffness(&self.x, &self.plastic).unwrap();
+        let sensitivity = Sensitivity::new(&self.body, &self.space, &self.x, &self.plastic);
+        work(&Linearization {
+            body: &self.body,
+            stiffness: &stiffness,
+            sensitivity: &sensitivity,
+            x: &self.x,
+            center: Vec3::zeros(),
+        })
+    }
+
+    /// The minimiser by the assembled Hessian R + Z^T Z.
+    fn dense(
+        &self,
+        at: &Linearization<'_, StableNeoHookean>,
+        prior: &StrainSmoothness,
+        anchor: &[Sym3],
+    ) -> Vec<Sym3> {
+        let n = 6 * self.s.len();
+        let unit = |k: usize| {
+            let mut e = vec![Sym3::zeros(); self.s.len()];
+            e[k / 6][k % 6] = 1.0;
+            e
+        };
+        let (mut z, mut r) = (DMatrix::zeros(self.rows.rows.len(), n), DMatrix::zeros(n, n));
+        for k in 0..n {
+            let dx = at.shape_change(&unit(k));
+            for (i, row) in self.rows.rows.iter().enumerate() {
+                let moved = self.rows.points[row.point].position(&dx);
+                z[(i, k)] = row.weight.sqrt() * row.direction.dot(&moved);
+            }
+            for (c, column) in prior.apply(&unit(k)).iter().enumerate() {
+                r.view_mut((6 * c, k), (6, 1)).copy_from(column);
+            }
+        }
+        let offset = DVector::from_iterator(
+            n,
+            self.s
+                .iter()
+                .zip(anchor)
+                .flat_map(|(s, a)| (s - a).iter().copied().collect::<Vec<_>>()),
+        );
+        let residual = DVector::from_iterator(
+            self.rows.rows.len(),
+            self.rows.rows.iter().map(|row| row.weight.sqrt() * row.residual),
+        );
+        let gradient = &r * offset + z.transpose() * residual;
+        let ds = (r + z.transpose() * &z).lu().solve(&-gradient).unwrap();
+        ds.as_slice().chunks_exact(6).map(Sym3::from_column_slice).collect()
+    }
+}
+
+fn relative(found: &[Sym3], expected: &[Sym3]) -> f64 {
+    let error: f64 = found.iter().zip(expected).map(|(a, b)| (a - b).norm_squared()).sum();
+    (error / expected.iter().map(Sym3::norm_squared).sum::<f64>()).sqrt()
+}
+
+#[test]
+fn dual_equals_dense_hessian_screened_and_free() {
+    let setup = Setup::new(StrainSpace::NODAL_LOGARITHM);
+    let anchor = vec![Sym3::new(0.1, 0.0, 0.02, 0.0, 0.0, -0.1); setup.s.len()];
+    for screening in [None, Some(0.7)] {
+        let prior = setup.smoothness(screening);
+        setup.with(|at| {
+            let found = at.direction(&setup.rows, &prior, &setup.s, &anchor).unwrap();
+            assert!(relative(&found.ds, &setup.dense(at, &prior, &anchor)) < 1e-8, "{screening:?}");
+        });
+    }
+}
+
+#[test]
+fn published_woodbury_equals_dual_and_dense_hessian() {
+    let setup = Setup::new(StrainSpace::PAPER);
+    let anchor = vec![StrainSpace::PAPER.from_logarithm(&Sym3::zeros()); setup.s.len()];
+    let prior = setup.smoothness(None);
+    setup.with(|at| {
+        let dense = setup.dense(at, &prior, &anchor);
+        let dual = at.direction(&setup.rows, &prior, &setup.s, &anchor).unwrap();
+        let woodbury = at.woodbury_direction(&setup.rows, &prior, &setup.s, &anchor);
+        assert!(relative(&dual.ds, &dense) < 1e-8);
+        assert!(relative(&woodbury.ds, &dense) < 1e-6);
+    });
+}
