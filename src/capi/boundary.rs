@@ -1,7 +1,7 @@
 //! What every function does at the border: status, error text, no panic.
 
+use libc::c_char;
 use std::any::Any;
-use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::Error;

@@ -1,6 +1,8 @@
 //! Reading C arrays, strings and structs; writing outputs.
 
-use std::ffi::{CStr, c_char};
+use std::ffi::CStr;
+
+use libc::c_char;
 use std::path::PathBuf;
 
 use super::boundary::{Failure, Outcome};

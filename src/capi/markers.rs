@@ -1,6 +1,6 @@
 //! Marker files.
 
-use std::ffi::c_char;
+use libc::c_char;
 use std::ptr;
 
 use super::boundary::{MlgError, MlgStatus, guard, guard_or};

@@ -1,6 +1,6 @@
 //! Meshes from arrays and files.
 
-use std::ffi::c_char;
+use libc::c_char;
 use std::ptr;
 
 use super::boundary::{Failure, MlgError, MlgStatus, guard, guard_or};

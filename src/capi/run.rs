@@ -1,6 +1,6 @@
 //! Runs: started, polled, cancelled, waited for. No callback crosses the border.
 
-use std::ffi::c_char;
+use libc::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,6 +1,6 @@
 //! Versions.
 
-use std::ffi::c_char;
+use libc::c_char;
 
 /// Raised whenever a program built against an older header would break.
 pub const MLG_ABI_VERSION: u32 = 1;

@@ -1,12 +1,11 @@
 //! The start of a free body: one constant strain and a rigid motion, fitted to all data.
 //!
-//! Without external forces a constant plastic strain is an equilibrium of its own, x = R exp(S) X
-//! + t, so that this stage needs no statics: Gauss-Newton over twelve numbers. [W] solves the
+//! Without external forces a constant plastic strain is an equilibrium of its own,
+//! x = R exp(S) X + t, so that this stage needs no statics: Gauss-Newton over twelve numbers. [W] solves the
 //! attachments alone first, which lets free strains collapse; docs/papers.md says why we do not.
 
 use nalgebra::{DMatrix, DVector, Rotation3, SVector};
 
-use crate::error::Result;
 use crate::fem::rigid_modes;
 use crate::locate::ClosestPoints;
 use crate::math::symmetric3::{exp, exp_with_derivatives};
@@ -34,7 +33,7 @@ pub struct AffineStart {
 }
 
 /// Fits strain and rigid motion.
-pub fn affine_start(scene: &Scene, tree: &mut ClosestPoints) -> Result<AffineStart> {
+pub fn affine_start(scene: &Scene, tree: &mut ClosestPoints) -> AffineStart {
     let rest = &scene.body.mesh.points;
     let (mut rotation, mut translation, mut s) = (Mat3::identity(), Vec3::zeros(), Sym3::zeros());
     let place = |rotation: &Mat3, translation: &Vec3, s: &Sym3| -> Vec<Vec3> {
@@ -54,7 +53,7 @@ pub fn affine_start(scene: &Scene, tree: &mut ClosestPoints) -> Result<AffineSta
             break;
         }
     }
-    Ok(AffineStart { x: place(&rotation, &translation, &s), strain: s })
+    AffineStart { x: place(&rotation, &translation, &s), strain: s }
 }
 
 /// Weights for a fit that cannot be exact: each group counts by the spread of its residuals.

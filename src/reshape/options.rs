@@ -43,10 +43,10 @@ impl Default for Options {
             hard_attachments: false,
             reverse_term: true,
             paper: false,
-            smoothness: 0.05,
+            smoothness: 0.08,
             screening: None,
             poisson: 0.3,
-            max_iterations: 40,
+            max_iterations: 80,
         }
     }
 }

@@ -25,6 +25,10 @@ const MAX_STRAIN_STEP: f64 = 0.9;
 const FIRST_DATA_SCALE: f64 = 1e-4;
 const DATA_SCALE_GROWTH: f64 = 4.0;
 
+/// The markers' weight grows when the last step lowered the objective by less than this share.
+/// Raising it sooner leaves markers caught in wrong matches.
+const LEVEL_DECREASE: f64 = 0.2;
+
 /// Two relative decreases of the objective below this, one after the other, end the run.
 const SMALL_DECREASE: f64 = 0.01;
 
@@ -91,7 +95,7 @@ impl<'a> Solver<'a> {
         let space = if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM };
         let carriers = space.carriers(scene.body.mesh.points.len(), scene.body.mesh.tets.len());
         let (strain, x) = if scene.body.is_free() {
-            let start = affine_start(&scene, &mut tree)?;
+            let start = affine_start(&scene, &mut tree);
             (start.strain, start.x)
         } else {
             (Sym3::zeros(), scene.body.mesh.points.clone())
@@ -126,30 +130,40 @@ impl<'a> Solver<'a> {
 
     /// Gauss-Newton with a growing weight of the markers.
     fn minimize(&mut self, mut state: State) -> Result<State> {
-        let mut scale = FIRST_DATA_SCALE;
-        let mut small_decreases = 0;
+        let (mut scale, mut small_decreases) = (FIRST_DATA_SCALE, 0);
         loop {
             self.record(&state, scale);
-            if let Some(stop) = self.stop(scale) {
+            if let Some(stop) = self.interruption() {
                 self.summary.stop = stop;
                 return Ok(state);
             }
-            let full = scale >= 1.0;
             let accepted = self.step(&state, scale)?;
-            let (decrease, stepped) = match accepted {
-                Some((next, decrease)) => {
-                    state = next;
-                    (decrease, true)
-                }
-                None => (0.0, false),
-            };
-            small_decreases = if decrease < SMALL_DECREASE { small_decreases + 1 } else { 0 };
-            if full && (small_decreases == 2 || !stepped) {
+            let decrease = accepted.as_ref().map(|(_, decrease)| *decrease);
+            if let Some((next, _)) = accepted {
+                state = next;
+            }
+            let small = decrease.unwrap_or(0.0) < SMALL_DECREASE;
+            small_decreases = if small { small_decreases + 1 } else { 0 };
+            if scale >= 1.0 && (small_decreases == 2 || decrease.is_none()) {
                 self.record(&state, scale);
-                self.summary.stop = if stepped { Stop::Settled } else { Stop::NoStep };
+                self.summary.stop = self.verdict(decrease.is_some());
                 return Ok(state);
             }
-            scale = (scale * DATA_SCALE_GROWTH).min(1.0);
+            if decrease.unwrap_or(0.0) < LEVEL_DECREASE {
+                scale = (scale * DATA_SCALE_GROWTH).min(1.0);
+            }
+        }
+    }
+
+    /// Why the iteration ended by itself.
+    fn verdict(&self, stepped: bool) -> Stop {
+        let tolerance = self.scene.marker_sigma * self.scene.length;
+        let met =
+            self.summary.iterations.last().is_some_and(|r| r.max_marker_distance <= tolerance);
+        match (met, stepped) {
+            (true, _) => Stop::ToleranceMet,
+            (false, true) => Stop::Settled,
+            (false, false) => Stop::NoStep,
         }
     }
 
@@ -295,8 +309,8 @@ impl<'a> Solver<'a> {
         self.run.publish_preview(&self.scene.outward(&self.scene.embedding.apply(&state.x)));
     }
 
-    /// Why to stop now, if so.
-    fn stop(&self, _scale: f64) -> Option<Stop> {
+    /// Why to stop before the end, if so.
+    fn interruption(&self) -> Option<Stop> {
         if self.run.is_cancelled() {
             return Some(Stop::Cancelled);
         }

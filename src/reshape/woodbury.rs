@@ -33,7 +33,7 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         for (g, z) in gradient.iter_mut().zip(self.transpose_multiply(rows, &residuals)) {
             *g += z;
         }
-        let v: Vec<Sym3> = self.lemma(smoothness, &gradient).into_iter().map(|v| -v).collect();
+        let v: Vec<Sym3> = lemma(smoothness, &gradient).into_iter().map(|v| -v).collect();
         // ds = v - B^-1 Zh^T (I + Zh B^-1 Zh^T)^-1 Zh v.
         let (half, constants) = self.half_inverse(rows, smoothness);
         let right = self.extended_multiply(rows, &v);
@@ -46,14 +46,8 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         for b in &mut back {
             *b += constant;
         }
-        let ds = v.iter().zip(self.lemma(smoothness, &back)).map(|(v, b)| v - b).collect();
+        let ds = v.iter().zip(lemma(smoothness, &back)).map(|(v, b)| v - b).collect();
         Direction { ds, rigid: None }
-    }
-
-    /// B^-1 b = R^+ b - sum psi (psi . b): the singular lemma (iii) of [W] Appendix A.
-    fn lemma(&self, smoothness: &StrainSmoothness, b: &[Sym3]) -> Vec<Sym3> {
-        let mean: Sym3 = b.iter().sum::<Sym3>() / b.len() as f64;
-        smoothness.solve(b).into_iter().map(|x| x - mean).collect()
     }
 
     /// [Z v; psi^T v].
@@ -63,6 +57,12 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         product.extend(constant.iter());
         product
     }
+}
+
+/// B^-1 b = R^+ b - sum psi (psi . b): the singular lemma (iii) of [W] Appendix A.
+fn lemma(smoothness: &StrainSmoothness, b: &[Sym3]) -> Vec<Sym3> {
+    let mean: Sym3 = b.iter().sum::<Sym3>() / b.len() as f64;
+    smoothness.solve(b).into_iter().map(|x| x - mean).collect()
 }
 
 /// I + Zh B^-1 Zh^T from Z R^+ Z^T = H^T H and Z psi = constants / sqrt(carriers).
