@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Rotation3, SVector};
 
 use crate::fem::rigid_modes;
 use crate::locate::ClosestPoints;
-use crate::math::symmetric3::{exp, exp_with_derivatives};
+use crate::math::symmetric3::{MULTIPLICITY, exp, exp_with_derivatives};
 use crate::math::{Mat3, Sym3, Vec3};
 
 use super::evidence::{Contact, Weights, rows};
@@ -16,7 +16,7 @@ use super::gauss_newton::Rows;
 use super::scene::Scene;
 
 /// Iterations; correspondences settle well before.
-const ITERATIONS: usize = 30;
+const ITERATIONS: usize = 100;
 
 /// Prior standard deviation of the logarithmic strain.
 const STRAIN_SIGMA: f64 = 0.5;
@@ -87,14 +87,15 @@ fn step(data: &Rows, x: &[Vec3], rest: &[Vec3], rotation: &Mat3, s: &Sym3) -> SV
     }
     for p in 0..6 {
         let i = data.rows.len() + p;
-        jacobian[(i, p)] = 1.0 / STRAIN_SIGMA;
-        residual[i] = s[p] / STRAIN_SIGMA;
+        let c = MULTIPLICITY[p].sqrt() / STRAIN_SIGMA;
+        jacobian[(i, p)] = c;
+        residual[i] = c * s[p];
     }
     let normal = jacobian.transpose() * &jacobian;
-    let damping = DMatrix::from_diagonal(&normal.diagonal().map(|d| 1e-6 * d + 1e-9));
+    let damping = DMatrix::identity(12, 12) * (1e-9 * normal.trace());
     let right = jacobian.transpose() * residual;
     let solution =
         (normal + damping).cholesky().map_or_else(|| DVector::zeros(12), |c| c.solve(&right));
     let step = SVector::<f64, 12>::from_column_slice((-solution).as_slice());
-    step * (0.5 / step.amax()).min(1.0)
+    step * (0.5 / step.norm()).min(1.0)
 }

@@ -1,0 +1,181 @@
+//! What a user of `reshape` may rely on, on a ball that becomes an ellipsoid.
+#![allow(clippy::unwrap_used)]
+
+use moulage::math::{Mat3, Vec3};
+use moulage::mesh::TriMesh;
+use moulage::reshape::{
+    Landmark, Marker, Options, Problem, Reshaped, Stop, TemplatePoint, reshape,
+};
+use moulage::tetrahedralize::{self, Method, tetrahedralize};
+use moulage::{Run, TetMesh};
+
+/// A unit ball of longitude-latitude triangles.
+fn ball() -> TriMesh {
+    let (rows, columns) = (10_u32, 16_u32);
+    let mut points = vec![Vec3::z(), -Vec3::z()];
+    for i in 1..rows {
+        for j in 0..columns {
+            let theta = std::f64::consts::PI * f64::from(i) / f64::from(rows);
+            let phi = std::f64::consts::TAU * f64::from(j) / f64::from(columns);
+            points.push(Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()));
+        }
+    }
+    let id = |i: u32, j: u32| 2 + (i - 1) * columns + j % columns;
+    let mut triangles = Vec::new();
+    for j in 0..columns {
+        triangles.push([0, id(1, j), id(1, j + 1)]);
+        triangles.push([1, id(rows - 1, j + 1), id(rows - 1, j)]);
+        for i in 1..rows - 1 {
+            triangles.push([id(i, j), id(i + 1, j), id(i + 1, j + 1)]);
+            triangles.push([id(i, j), id(i + 1, j + 1), id(i, j + 1)]);
+        }
+    }
+    TriMesh::new(points, triangles).unwrap()
+}
+
+/// The person: the ball stretched, bent and moved.
+fn truth(p: &Vec3) -> Vec3 {
+    Vec3::new(1.4 * p.x + 0.1, 0.8 * p.y + 0.15 * p.x * p.x, p.z + 0.05)
+}
+
+fn problem(scale: f64, placed: impl Fn(&Vec3) -> Vec3) -> Problem {
+    let mut surface = ball();
+    let options =
+        tetrahedralize::Options { method: Method::Lattice, tet_count: 1500, ..Default::default() };
+    let filled = tetrahedralize(&surface, &options, &Run::new()).unwrap();
+    let mut tets = filled.mesh;
+    let markers = surface
+        .points
+        .iter()
+        .step_by(2)
+        .map(|p| Marker { position: placed(&truth(p)) * scale, weight: 1.0 })
+        .collect();
+    for p in surface.points.iter_mut().chain(&mut tets.points) {
+        *p = placed(p) * scale;
+    }
+    let mut problem = Problem::new(surface, tets, filled.embedding, filled.inside_fraction);
+    problem.markers = markers;
+    problem
+}
+
+/// The same with the markers' correspondences known. Matches of markers change at rounding level, and
+/// with them the last digits that two runs share.
+fn paired(scale: f64, placed: impl Fn(&Vec3) -> Vec3) -> Problem {
+    let mut problem = problem(scale, placed);
+    let landmark = |(k, marker): (usize, Marker)| Landmark {
+        label: k.to_string(),
+        template: TemplatePoint::Vertex(2 * k as u32),
+        target: marker.position,
+        weight: 1.0,
+    };
+    let markers = std::mem::take(&mut problem.markers);
+    problem.landmarks = markers.into_iter().enumerate().map(landmark).collect();
+    problem
+}
+
+fn solve(problem: &Problem) -> Reshaped {
+    reshape(problem, &Options::default(), &Run::new()).unwrap()
+}
+
+fn largest_difference(a: &[Vec3], b: impl Iterator<Item = Vec3>) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+}
+
+fn inverted(problem: &Problem, result: &Reshaped) -> usize {
+    let mesh = TetMesh { points: result.tet_points.clone(), tets: problem.tets.tets.clone() };
+    (0..mesh.tets.len()).filter(|&t| mesh.volume(t) <= 0.0).count()
+}
+
+#[test]
+fn markers_are_met_and_no_tet_is_inverted() {
+    let problem = problem(1.0, |p| *p);
+    let result = solve(&problem);
+    let last = result.summary.iterations.last().unwrap();
+    assert!(last.mean_marker_distance < 2e-3, "{}", last.mean_marker_distance);
+    assert!(matches!(result.summary.stop, Stop::Settled | Stop::ToleranceMet));
+    assert_eq!(inverted(&problem, &result), 0);
+}
+
+#[test]
+fn the_unit_does_not_matter() {
+    let one = solve(&paired(1.0, |p| *p));
+    let thousand = solve(&paired(1000.0, |p| *p));
+    let difference =
+        largest_difference(&one.surface_points, thousand.surface_points.iter().map(|p| p / 1000.0));
+    assert!(difference < 1e-5, "{difference}");
+}
+
+#[test]
+fn template_and_person_may_be_moved_together() {
+    let turn = nalgebra::Rotation3::new(Vec3::new(0.4, -0.8, 0.3)).into_inner();
+    let placed = |turn: &Mat3, p: &Vec3| turn * p + Vec3::new(3.0, -2.0, 1.0);
+    let one = solve(&paired(1.0, |p| *p));
+    let moved = solve(&paired(1.0, |p| placed(&turn, p)));
+    let difference = largest_difference(
+        &moved.surface_points,
+        one.surface_points.iter().map(|p| placed(&turn, p)),
+    );
+    assert!(difference < 1e-5, "{difference}");
+}
+
+#[test]
+fn bits_do_not_depend_on_threads() {
+    let problem = problem(1.0, |p| *p);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| solve(&problem)).surface_points
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+}
+
+#[test]
+fn a_cancelled_run_returns_its_best_and_says_so() {
+    let run = Run::new();
+    run.cancel();
+    let result = reshape(&problem(1.0, |p| *p), &Options::default(), &run).unwrap();
+    assert_eq!(result.summary.stop, Stop::Cancelled);
+    assert!(result.surface_points.iter().all(|p| p.iter().all(|c| c.is_finite())));
+}
+
+#[test]
+fn one_wrong_landmark_loses_to_the_markers() {
+    let mut problem = problem(1.0, |p| *p);
+    let landmark = |v: u32, shift: Vec3| Landmark {
+        label: v.to_string(),
+        template: TemplatePoint::Vertex(v),
+        target: truth(&problem.surface.points[v as usize]) + shift,
+        weight: 1.0,
+    };
+    let none = Vec3::zeros();
+    problem.landmarks =
+        [(0, none), (1, none), (40, none), (70, none), (100, Vec3::new(0.0, 0.0, 0.9))]
+            .map(|(v, shift)| landmark(v, shift))
+            .to_vec();
+    let result = solve(&problem);
+    assert!(result.summary.iterations.last().unwrap().mean_marker_distance < 3e-3);
+    for &v in &[0_usize, 1, 40, 70] {
+        let off = (result.surface_points[v] - truth(&problem.surface.points[v])).norm();
+        assert!(off < 0.05, "landmark {v} is {off} off");
+    }
+}
+
+#[test]
+fn the_published_formulation_runs_on_a_held_body() {
+    let mut problem = problem(1.0, |p| *p);
+    for v in [2_u32, 5, 8, 11, 14, 17] {
+        problem.attachments.push(Landmark {
+            label: v.to_string(),
+            template: TemplatePoint::Vertex(v),
+            target: truth(&problem.surface.points[v as usize]),
+            weight: 1.0,
+        });
+    }
+    let options = Options { paper: true, max_iterations: 12, ..Options::default() };
+    let result = reshape(&problem, &options, &Run::new()).unwrap();
+    let records = &result.summary.iterations;
+    assert!(records.last().unwrap().mean_marker_distance < 0.3 * records[0].mean_marker_distance);
+    assert_eq!(result.plastic_strain.len(), problem.tets.tets.len());
+    assert_eq!(inverted(&problem, &result), 0);
+}
