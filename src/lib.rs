@@ -3,7 +3,7 @@
 //! Two systems share this crate:
 //! - [`reshape`]: a template's tet mesh follows sparse landmarks, correspondence-free markers and
 //!   attachments through optimized plastic strains under FEM equilibrium.
-//! - [`register`]: a template skeleton with joints and limits follows a surface or a medical image.
+//! - [`register`]: a template skeleton with joints and limits follows a surface of a person's bones.
 //!
 //! The modules stand in layers; imports go only downwards. `ARCHITECTURE.md` has the picture and
 //! `tests/architecture.rs` holds it.
@@ -15,7 +15,6 @@ pub mod run;
 pub mod math;
 // 2
 pub mod mesh;
-pub mod volume;
 // 3
 pub mod locate;
 pub mod material;

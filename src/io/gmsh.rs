@@ -1,6 +1,6 @@
 //! Gmsh `.msh` files, versions 2.2 and 4.1, text and binary.
 //!
-//! Own code: the crate for this format (`mshio`) reads version 4.1 only and is no longer kept.
+//! Own code: the crate for this format (`mshio`) reads version 4.1 only.
 
 use std::collections::HashMap;
 use std::path::Path;

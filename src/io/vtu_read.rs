@@ -1,7 +1,7 @@
 //! VTK unstructured grids, `.vtu`: text, inline and appended data, with or without zlib.
 //!
 //! The XML is read by `roxmltree`, the rest here: the crate for the whole format (`vtkio`) has had
-//! only release candidates for years and reserves memory for whatever a file promises.
+//! only release candidates for some years.
 
 use std::io::Read;
 use std::path::Path;

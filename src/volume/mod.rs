@@ -1,1 +1,0 @@
-//! Three-dimensional scalar images.
