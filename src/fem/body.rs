@@ -9,7 +9,7 @@ use super::plastic::PlasticState;
 use super::rigid_modes::isostatic_gauge;
 use crate::error::Result;
 use crate::material::IsotropicDensity;
-use crate::math::{Mat3, Vec3};
+use crate::math::Vec3;
 use crate::mesh::TetMesh;
 use crate::solve::{BlockMatrix, BlockPattern, Factor, SymbolicFactor};
 
@@ -87,11 +87,6 @@ impl<M: IsotropicDensity> Body<M> {
     /// Corner positions of tet `t` in the shape `x`.
     pub fn corners(&self, x: &[Vec3], t: usize) -> [Vec3; 4] {
         self.mesh.tets[t].map(|v| x[v as usize])
-    }
-
-    /// det F of tet `t` in the shape `x`.
-    pub fn volume_ratio(&self, x: &[Vec3], t: usize) -> f64 {
-        self.rest[t].deformation_gradient(&self.corners(x, t)).determinant()
     }
 
     /// Elastic energy and springs' energy.
@@ -199,10 +194,5 @@ impl<M: IsotropicDensity> Body<M> {
     /// Volume of the body at rest.
     pub fn rest_volume(&self) -> f64 {
         self.rest.iter().map(|e| e.volume).sum()
-    }
-
-    /// Fe-independent measure: F of tet `t` in the shape `x`.
-    pub fn deformation_gradient(&self, x: &[Vec3], t: usize) -> Mat3 {
-        self.rest[t].deformation_gradient(&self.corners(x, t))
     }
 }

@@ -44,8 +44,7 @@ const MAX_HALVINGS: usize = 25;
 const ARMIJO: f64 = 1e-4;
 
 impl<M: IsotropicDensity> Body<M> {
-    /// Minimises the energy from the shape `x`. `factor` may hold the factor of an earlier
-    /// stiffness nearby, used for the first step.
+    /// Minimises the energy from the shape `x`.
     pub fn equilibrate(
         &self,
         mut x: Vec<Vec3>,

@@ -19,13 +19,9 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, MatMut, MatRef, Par, Side};
-use rayon::prelude::*;
 
 use super::block_matrix::{BlockMatrix, BlockPattern};
 use crate::error::{Error, Result};
-
-/// Right-hand sides solved together; a block of rows then fits the cache.
-const BLOCK: usize = 64;
 
 /// The symbolic factorization of one pattern.
 #[derive(Debug)]
@@ -112,30 +108,6 @@ impl Factor {
     /// Solves A x = b for one right-hand side, in place.
     pub fn solve(&self, b: &mut [f64]) {
         self.solve_rows(b, 1);
-    }
-
-    /// Solves A X = B for a row-major B of n rows and `columns` columns, in place; parallel over
-    /// blocks of columns.
-    pub fn solve_many(&self, b: &mut [f64], columns: usize) {
-        let n = self.symbolic.new_from_old.len();
-        let blocks: Vec<(usize, Vec<f64>)> = (0..columns.div_ceil(BLOCK))
-            .into_par_iter()
-            .map(|k| {
-                let (start, width) = (k * BLOCK, BLOCK.min(columns - k * BLOCK));
-                let mut x = vec![0.0; n * width];
-                for r in 0..n {
-                    x[r * width..][..width].copy_from_slice(&b[r * columns + start..][..width]);
-                }
-                self.solve_rows(&mut x, width);
-                (start, x)
-            })
-            .collect();
-        for (start, x) in blocks {
-            let width = BLOCK.min(columns - start);
-            for r in 0..n {
-                b[r * columns + start..][..width].copy_from_slice(&x[r * width..][..width]);
-            }
-        }
     }
 
     /// Solves A X = B for a row-major block of at most a few hundred columns, in place, on this
