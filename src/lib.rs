@@ -15,6 +15,7 @@ pub mod run;
 pub mod math;
 // 2
 pub mod mesh;
+pub mod volume;
 // 3
 pub mod locate;
 pub mod material;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["error", "run"],
     &["math"],
-    &["mesh"],
+    &["mesh", "volume"],
     &["locate", "material", "solve"],
     &["align", "fem", "io", "tetrahedralize"],
     &["reshape", "register"],

@@ -1,6 +1,8 @@
 //! Every reader on damaged files: an error or a value, never a panic or a flood of memory.
 #![allow(clippy::unwrap_used)]
 
+mod image_files;
+
 use std::path::Path;
 
 use moulage::Result;
@@ -22,6 +24,19 @@ fn surface(name: &'static str) -> Reader {
 
 fn markers(name: &'static str) -> Reader {
     Box::new(move |bytes| drop_content(io::parse_markers(bytes, Path::new(name))))
+}
+
+/// The first byte of a fuzz input chooses the format in the same order (fuzz_targets/volumes.rs).
+fn image(kind: usize) -> Reader {
+    let path = Path::new("a");
+    Box::new(move |bytes| {
+        drop_content(match kind {
+            0 => io::parse_nifti(bytes, path),
+            1 => io::parse_nrrd(bytes, path),
+            2 => io::parse_meta_image(bytes, path),
+            _ => io::parse_dicom(&[(bytes.to_vec(), path.into())], path).map(|(v, _)| v),
+        })
+    })
 }
 
 fn binary_ply() -> Vec<u8> {
@@ -85,6 +100,12 @@ fn cases() -> Vec<Case> {
         ("binary stl", surface("a.stl"), binary_stl()),
         ("csv", markers("a.csv"), text(csv)),
         ("xyz", markers("a.xyz"), text("1 2 3\n4 5 6\n")),
+        ("nifti", image(0), image_files::nifti()),
+        ("compressed nifti", image(0), image_files::gzip(&image_files::nifti())),
+        ("nrrd", image(1), image_files::nrrd("gzip")),
+        ("ascii nrrd", image(1), image_files::nrrd("ascii")),
+        ("meta image", image(2), image_files::meta_image(true)),
+        ("dicom", image(3), image_files::single_dicom()),
         ("markups", markers("a.mrk.json"), text(json)),
         ("fcsv", markers("a.fcsv"), text(fcsv)),
         ("pp", markers("a.pp"), text(pp)),

@@ -6,19 +6,24 @@
 //!
 //! **Frames and units.** Positions are returned as the file has them, with one exception: files
 //! that state an LPS frame (3D Slicer `.mrk.json` and `.fcsv`) are turned into RAS, the frame of
-//! NIfTI. CSV, XYZ, PLY, OBJ, STL and `.pp` files state no frame and are taken as they are. A
+//! NIfTI, and volumes that state LPS (DICOM, MetaImage, most NRRD files). CSV, XYZ, PLY, OBJ, STL and `.pp` files state no frame and are taken as they are. A
 //! Slicer file without a frame is an error, because guessing would mirror the person.
 
 mod anchor;
 mod ascii_points;
 mod bytes;
 mod csv_points;
+mod dicom;
+mod dicom_lengths;
 mod fcsv;
 pub mod gltf;
 mod gmsh;
 mod markers;
 mod markups;
+mod meta_image;
 pub mod mot;
+mod nifti;
+mod nrrd;
 mod obj;
 mod obj_write;
 pub mod osim;
@@ -34,6 +39,8 @@ mod tetgen_files;
 mod tets;
 mod text;
 mod veg;
+mod volumes;
+mod voxels;
 pub mod vtp;
 mod vtu_read;
 mod vtu_write;
@@ -42,10 +49,14 @@ mod write;
 pub use anchor::{Anchor, ResolvedAnchor};
 pub use ascii_points::parse_xyz;
 pub use csv_points::{parse_csv_markers, write_csv_markers};
+pub use dicom::{parse_dicom, read_dicom};
 pub use fcsv::{parse_fcsv, write_fcsv};
 pub use gmsh::parse_gmsh;
 pub use markers::{Marker, parse_markers, read_markers, write_markers};
 pub use markups::{parse_markups, write_markups};
+pub use meta_image::parse_meta_image;
+pub use nifti::parse_nifti;
+pub use nrrd::parse_nrrd;
 pub use obj::{ObjCorner, ObjDocument};
 pub use pairs::{
     Attachment, Landmark, PairedLandmarks, pair_by_label, parse_attachments, parse_fixed,
@@ -58,6 +69,7 @@ pub use surface::{SurfaceFile, parse_surface, read_surface, write_surface};
 pub use tetgen_files::parse_tetgen;
 pub use tets::read_tets;
 pub use veg::parse_veg;
+pub use volumes::{VolumeFile, is_volume, read_volume};
 pub use vtu_read::parse_vtu;
 pub use vtu_write::{DataArray, write_vtu};
 pub use write::{check_writable, read_bytes, write_beside};

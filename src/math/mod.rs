@@ -1,6 +1,7 @@
-//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check.
+//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check, polylines.
 
 pub mod derivative_check;
+pub mod polyline;
 pub mod svd3;
 pub mod symmetric3;
 

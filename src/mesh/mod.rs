@@ -2,11 +2,13 @@
 
 pub mod adjacency;
 pub mod quality;
+pub mod section;
 pub mod surface;
 mod tet_mesh;
 mod tri_mesh;
 
 pub use quality::TetQuality;
+pub use section::plane_section;
 pub use surface::{SurfaceCheck, boundary_triangles};
 pub use tet_mesh::{TetMesh, signed_volume};
 pub use tri_mesh::{TriMesh, bounding_box};

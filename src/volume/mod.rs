@@ -1,0 +1,14 @@
+//! Medical images: grids of numbers in space, slices through them, outlines on slices.
+//!
+//! **One convention.** World coordinates are millimetres in RAS (x to the person's right, y to the
+//! front, z to the head), as in NIfTI and in all marker files that moulage writes. A voxel's
+//! integer index is its centre. Grids may be oblique, sheared, anisotropic and left-handed: a full
+//! affine map leads from indices to the world, never a spacing alone.
+
+mod grid;
+pub mod outline;
+pub mod slice;
+
+pub use grid::{MAX_VOXELS, Volume};
+pub use outline::{Clicks, label_markers, outlines};
+pub use slice::{SlicePlane, View, Window};
