@@ -25,7 +25,8 @@ pub(super) fn attachments(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<Att
     let mut targets = job.attachment_targets.iter().flatten();
     for path in job.attachments.iter().flatten() {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
-            pairs.extend(from_csv(path, surface, job.attachment_gap.unwrap_or_default())?);
+            let gap = job.attachment_gap.unwrap_or_default();
+            pairs.extend(read_attachment_pairs(path, surface, gap)?);
         } else {
             let distance = job.attachment_distance.ok_or_else(|| {
                 Error::invalid(format!(
@@ -33,7 +34,7 @@ pub(super) fn attachments(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<Att
                     path.display()
                 ))
             })?;
-            pairs.extend(from_bone(path, targets.next().map_or(path, |p| p), surface, distance)?);
+            pairs.extend(from_bone(path, targets.next().unwrap_or(path), surface, distance)?);
         }
     }
     if let Some(left) = targets.next() {
@@ -43,7 +44,12 @@ pub(super) fn attachments(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<Att
     Ok(pairs)
 }
 
-fn from_csv(path: &Path, surface: &TriMesh, gap: Gap) -> Result<Vec<AttachmentPair>> {
+/// Reads the attachments of a CSV file, found on `surface`.
+pub fn read_attachment_pairs(
+    path: &Path,
+    surface: &TriMesh,
+    gap: Gap,
+) -> Result<Vec<AttachmentPair>> {
     let rows = io::read_attachments(path)?;
     let mut pairs = Vec::new();
     for (r, row) in rows.iter().enumerate() {
@@ -97,8 +103,6 @@ fn bone_motion(pairs: &[AttachmentPair], basis: &[(usize, Vec3)]) -> Result<Rigi
     best_rigid(&from, &to, None)
 }
 
-/// \[W\] 4.1.2: every bone vertex near the template is linked to the template's point nearest to it.
-/// The gap is kept: the nearest point goes where the bone vertex goes, plus the gap.
 fn from_bone(
     bone: &Path,
     target: &Path,
@@ -106,26 +110,37 @@ fn from_bone(
     distance: f64,
 ) -> Result<Vec<AttachmentPair>> {
     let (rest, person) = (io::read_surface(bone)?.mesh()?, io::read_surface(target)?.mesh()?);
-    if rest.points.len() != person.points.len() {
+    let name = bone.file_stem().unwrap_or_default().to_string_lossy();
+    attach_to_bone(&name, &rest.points, &person.points, surface, distance)
+        .map_err(|e| Error::invalid(format!("{} and {}: {e}", bone.display(), target.display())))
+}
+
+/// \[W\] 4.1.2: every vertex of a bone within `distance` of the template is linked to the template's
+/// point nearest to it. The gap is kept: the nearest point goes where the bone's vertex goes, plus
+/// the gap. `rest` and `person`: the bone's vertices beside the template and on the person.
+pub fn attach_to_bone(
+    name: &str,
+    rest: &[Vec3],
+    person: &[Vec3],
+    surface: &TriMesh,
+    distance: f64,
+) -> Result<Vec<AttachmentPair>> {
+    if rest.len() != person.len() {
         return Err(Error::invalid(format!(
-            "{} has {} vertices and {} has {}; a bone and its target need the same vertices",
-            bone.display(),
-            rest.points.len(),
-            target.display(),
-            person.points.len()
+            "the bone has {} vertices and its target {}; they need the same vertices",
+            rest.len(),
+            person.len()
         )));
     }
-    let motion = best_rigid(&rest.points, &person.points, None)?;
+    let motion = best_rigid(rest, person, None)?;
     let closest = ClosestPoints::new(&surface.points, &surface.triangles);
-    let name = bone.file_stem().unwrap_or_default().to_string_lossy();
     let pairs: Vec<AttachmentPair> = rest
-        .points
         .iter()
-        .zip(&person.points)
+        .zip(person)
         .filter_map(|(own, there)| {
             let place = closest.closest_within(own, distance)?;
             Some(Pair {
-                label: name.clone().into_owned(),
+                label: name.to_owned(),
                 position: place.position,
                 vertex: None,
                 target: there + motion.rotation * (place.position - own),
@@ -135,8 +150,7 @@ fn from_bone(
         .collect();
     if pairs.is_empty() {
         return Err(Error::invalid(format!(
-            "no vertex of {} is within {distance} of the template; is the distance in the template's unit?",
-            bone.display()
+            "no vertex of the bone is within {distance} of the template; is the distance in the template's unit?"
         )));
     }
     Ok(pairs)

@@ -64,20 +64,22 @@ pub fn fill(job: &ReshapeJob, surface: &TriMesh, run: &Run) -> Result<Filling> {
     })
 }
 
-/// A tet counts as inside or outside as a whole, by its centre.
 fn from_file(path: &Path, surface: &TriMesh) -> Result<Filling> {
+    let made_by = path.display().to_string();
     let mesh = io::read_tets(path)?;
+    fill_with(mesh, surface, made_by).map_err(|e| Error::parse(path, None, e.to_string()))
+}
+
+/// Takes tets that somebody else made; tets of another surface are an error. A tet counts as inside
+/// or outside as a whole, by its centre.
+pub fn fill_with(mesh: TetMesh, surface: &TriMesh, made_by: String) -> Result<Filling> {
     let embedding = Embedding::new(&mesh, &surface.points)?;
     let limit = -OUTSIDE * surface.diagonal() / mean_edge(&mesh);
     let lowest = |v: usize| embedding.weights[v].iter().copied().fold(f64::INFINITY, f64::min);
     if let Some(v) = (0..surface.points.len()).find(|&v| lowest(v) < limit) {
-        return Err(Error::parse(
-            path,
-            None,
-            format!(
-                "vertex {v} of the template lies far outside the tets; they belong to another surface, or to another unit"
-            ),
-        ));
+        return Err(Error::invalid(format!(
+            "vertex {v} of the template lies far outside the tets; they belong to another surface, or to another unit"
+        )));
     }
     let winding = WindingNumber::new(&surface.points, &surface.triangles);
     let centres: Vec<_> = (0..mesh.tets.len())
@@ -85,7 +87,6 @@ fn from_file(path: &Path, surface: &TriMesh) -> Result<Filling> {
         .collect();
     let inside_fraction =
         centres.iter().map(|c| if winding.at(c).abs() > 0.5 { 1.0 } else { 0.0 }).collect();
-    let made_by = path.display().to_string();
     Ok(Filling { mesh, embedding, inside_fraction, made_by, warnings: Vec::new() })
 }
 

@@ -62,9 +62,11 @@ impl Inputs {
         for path in job.markers.iter().flatten() {
             markers.extend(io::read_markers(path)?);
         }
-        let landmarks = landmarks(job, &surface, &mut warnings)?;
+        let files = job.landmarks.as_deref().unwrap_or_default();
+        let (landmarks, unpaired) = read_landmark_pairs(files, &surface)?;
+        warnings.extend(unpaired);
         let attachments = attachments(job, &surface)?;
-        let fixed = fixed(job, &surface)?;
+        let fixed = job.fixed.as_deref().map(|path| read_fixed_vertices(path, &surface));
         let carried = job.carry.iter().flatten();
         let carried = carried.map(|path| {
             let file = io::read_surface(path)?;
@@ -79,51 +81,55 @@ impl Inputs {
             markers,
             landmarks,
             attachments,
-            fixed,
+            fixed: fixed.transpose()?.unwrap_or_default(),
             warnings,
         })
     }
 }
 
-fn landmarks(job: &ReshapeJob, surface: &TriMesh, warnings: &mut Vec<String>) -> Result<Vec<Pair>> {
-    let list = match job.landmarks.as_deref() {
-        None | Some([]) => return Ok(Vec::new()),
-        Some([pairs]) => io::read_landmarks(pairs)?,
-        Some([template, person]) => {
+/// Reads landmarks from one file of pairs, or from two marker files (template, person) whose points
+/// are paired by label; found on `surface`. Comes with a sentence if labels were left out.
+pub fn read_landmark_pairs(
+    files: &[PathBuf],
+    surface: &TriMesh,
+) -> Result<(Vec<Pair>, Option<String>)> {
+    let mut warning = None;
+    let list = match files {
+        [] => return Ok((Vec::new(), None)),
+        [pairs] => io::read_landmarks(pairs)?,
+        [template, person] => {
             let paired = io::pair_by_label(template, person)?;
             if !paired.unpaired.is_empty() {
-                warnings.push(format!(
+                warning = Some(format!(
                     "landmarks that only one of the two files has are left out: {}",
                     paired.unpaired.join(", ")
                 ));
             }
             paired.landmarks
         }
-        Some(more) => {
+        more => {
             return Err(Error::invalid(format!(
                 "{} landmark files are given; one file of pairs or two files paired by label are needed",
                 more.len()
             )));
         }
     };
-    list.into_iter()
-        .enumerate()
-        .map(|(l, landmark)| {
-            let place = landmark.anchor.resolve(surface)?;
-            Ok(Pair {
-                label: landmark.label.unwrap_or_else(|| l.to_string()),
-                position: place.position,
-                vertex: place.vertex,
-                target: landmark.target,
-                weight: landmark.weight.unwrap_or(1.0),
-            })
+    let pair = |(l, landmark): (usize, io::Landmark)| {
+        let place = landmark.anchor.resolve(surface)?;
+        Ok(Pair {
+            label: landmark.label.unwrap_or_else(|| l.to_string()),
+            position: place.position,
+            vertex: place.vertex,
+            target: landmark.target,
+            weight: landmark.weight.unwrap_or(1.0),
         })
-        .collect()
+    };
+    Ok((list.into_iter().enumerate().map(pair).collect::<Result<_>>()?, warning))
 }
 
-/// The vertices that fixed points name, or the nearest ones: the solver holds vertices.
-fn fixed(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<u32>> {
-    let Some(path) = &job.fixed else { return Ok(Vec::new()) };
+/// Reads fixed points: the vertices of `surface` that the file names, or the nearest ones, because
+/// the solver holds vertices. Sorted, each once.
+pub fn read_fixed_vertices(path: &Path, surface: &TriMesh) -> Result<Vec<u32>> {
     let mut vertices = Vec::new();
     for anchor in io::read_fixed(path)? {
         vertices.push(nearest_vertex(&anchor, surface, path)?);

@@ -31,49 +31,75 @@ const TORN: f64 = 10.0;
 /// Points within this share of their extent from one line do not hold a body.
 const COLLINEAR: f64 = 1e-3;
 
-/// Checks the inputs against each other. What cannot work is an error; what may be a mistake comes
-/// back as a sentence each.
+/// What [`inspect_data`] looks at.
+#[derive(Clone, Copy, Debug)]
+pub struct Data<'a> {
+    /// The template's surface, and what to call it.
+    pub surface: (&'a TriMesh, &'a str),
+    /// Points on the person's surface.
+    pub markers: &'a [Vec3],
+    /// Paired points.
+    pub landmarks: &'a [Pair],
+    /// Attachments.
+    pub attachments: &'a [Pair],
+    /// Vertices that stay.
+    pub fixed: &'a [u32],
+}
+
+/// Checks the inputs against each other, see [`inspect_data`].
 pub fn inspect(inputs: &Inputs, align: Align) -> Result<Vec<String>> {
-    let mut warnings = surface_warnings(inputs);
     let markers: Vec<Vec3> = inputs.markers.iter().map(|m| m.position).collect();
-    check_amount(inputs)?;
+    let data = Data {
+        surface: (&inputs.surface, &inputs.template_path.display().to_string()),
+        markers: &markers,
+        landmarks: &inputs.landmarks,
+        attachments: &inputs.attachments,
+        fixed: &inputs.fixed,
+    };
+    inspect_data(&data, align)
+}
+
+/// Checks template, points and pairs against each other. What cannot work is an error; what may be a
+/// mistake comes back as a sentence each.
+pub fn inspect_data(data: &Data, align: Align) -> Result<Vec<String>> {
+    let (surface, name) = data.surface;
+    let mut warnings = surface_warnings(surface, name);
+    check_amount(data)?;
     if align != Align::Similarity {
-        check_units(&inputs.surface, &markers)?;
+        check_units(surface, data.markers)?;
     }
     if align == Align::None {
-        check_place(&inputs.surface, &markers, &mut warnings)?;
+        check_place(surface, data.markers, &mut warnings)?;
     }
-    if (1..FEW_MARKERS).contains(&markers.len()) && inputs.landmarks.len() < FEW_MARKERS {
+    if (1..FEW_MARKERS).contains(&data.markers.len()) && data.landmarks.len() < FEW_MARKERS {
         warnings.push(format!(
             "there are only {} markers; where none is near, the shape is a smooth guess",
-            markers.len()
+            data.markers.len()
         ));
     }
-    check_pairs(&inputs.landmarks, "landmarks", inputs.surface.diagonal(), &mut warnings)?;
-    check_pairs(&inputs.attachments, "attachments", inputs.surface.diagonal(), &mut warnings)?;
-    check_attachments(inputs)?;
+    check_pairs(data.landmarks, "landmarks", surface.diagonal(), &mut warnings)?;
+    check_pairs(data.attachments, "attachments", surface.diagonal(), &mut warnings)?;
+    check_attachments(data)?;
     Ok(warnings)
 }
 
-fn surface_warnings(inputs: &Inputs) -> Vec<String> {
-    let surface = &inputs.surface;
+fn surface_warnings(surface: &TriMesh, name: &str) -> Vec<String> {
     let check = SurfaceCheck::new(surface);
     let mut warnings: Vec<String> = check
         .sentences(surface)
         .into_iter()
-        .map(|sentence| format!("{}: {sentence}", inputs.template_path.display()))
+        .map(|sentence| format!("{name}: {sentence}"))
         .collect();
     if check.is_closed() && surface.volume() < 0.0 {
         warnings.push(format!(
-            "{}: the surface is inside out (its normals point inwards); flip the normals",
-            inputs.template_path.display()
+            "{name}: the surface is inside out (its normals point inwards); flip the normals"
         ));
     }
     warnings
 }
 
-fn check_amount(inputs: &Inputs) -> Result<()> {
-    let counts = [inputs.markers.len(), inputs.landmarks.len(), inputs.attachments.len()];
+fn check_amount(data: &Data) -> Result<()> {
+    let counts = [data.markers.len(), data.landmarks.len(), data.attachments.len()];
     if counts.iter().sum::<usize>() >= 3 {
         return Ok(());
     }
@@ -169,18 +195,18 @@ fn check_pairs(
 }
 
 /// Attachments hold the body; on one line they leave it free to turn around that line.
-fn check_attachments(inputs: &Inputs) -> Result<()> {
-    if inputs.attachments.is_empty() {
+fn check_attachments(data: &Data) -> Result<()> {
+    if data.attachments.is_empty() {
         return Ok(());
     }
-    let mut points: Vec<Vec3> = inputs.attachments.iter().map(|a| a.position).collect();
-    points.extend(inputs.fixed.iter().map(|&v| inputs.surface.points[v as usize]));
+    let mut points: Vec<Vec3> = data.attachments.iter().map(|a| a.position).collect();
+    points.extend(data.fixed.iter().map(|&v| data.surface.0.points[v as usize]));
     if off_line(&points) > COLLINEAR * diagonal(&points).max(f64::MIN_POSITIVE) {
         return Ok(());
     }
     Err(Error::invalid(format!(
         "the {} attachments lie on one line or at one point, so the body can turn around it; add an attachment or a fixed point beside that line",
-        inputs.attachments.len()
+        data.attachments.len()
     )))
 }
 

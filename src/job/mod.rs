@@ -17,13 +17,13 @@ mod result;
 pub mod skeleton_build;
 mod spec;
 
-pub use attach::AttachmentPair;
+pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
 pub use check_files::{FileCheck, check_file};
 pub use convert::convert_skeleton;
-pub use fill::{Filling, fill};
-pub use inputs::{Inputs, Pair};
-pub use inspect::inspect;
-pub use measure::Spread;
+pub use fill::{Filling, fill, fill_with};
+pub use inputs::{Inputs, Pair, read_fixed_vertices, read_landmark_pairs};
+pub use inspect::{Data, inspect, inspect_data};
+pub use measure::{Spread, distance_to_markers, marker_distances, vertex_stretches};
 pub use register_job::{RegisterJob, RegisterResult, SkeletonFiles, read_skeleton, run_register};
 pub use register_report::RegisterReport;
 pub use report::{Change, Ending, Iteration, PairLine, Report, Shapes, Stage};
