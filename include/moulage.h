@@ -45,6 +45,21 @@
 #define MLG_ERROR_MESSAGE_SIZE 512
 
 /**
+ * Still at work.
+ */
+#define MLG_RUN_RUNNING 0
+
+/**
+ * Ended; waiting for its result returns at once.
+ */
+#define MLG_RUN_ENDED 1
+
+/**
+ * Bytes of `MlgProgress.stage`, the ending zero included.
+ */
+#define MLG_STAGE_SIZE 64
+
+/**
  * TetGen where it is found and can fill the surface, else the lattice.
  */
 #define MLG_TETS_AUTO 0
@@ -65,19 +80,19 @@
 #define MLG_TETS_GIVEN 3
 
 /**
- * Still at work.
+ * Vertex of a pair whose place is no vertex of the template.
  */
-#define MLG_RUN_RUNNING 0
+#define MLG_NO_VERTEX UINT32_MAX
 
 /**
- * Ended; `mlg_run_wait_reshaping` returns at once.
+ * Turn and move only.
  */
-#define MLG_RUN_ENDED 1
+#define MLG_ALIGN_RIGID 0
 
 /**
- * Bytes of `MlgProgress.stage`, the ending zero included.
+ * Turn, move and scale.
  */
-#define MLG_STAGE_SIZE 64
+#define MLG_ALIGN_SIMILARITY 1
 
 /**
  * How a call ended. Numbers are never reused.
@@ -157,9 +172,15 @@ typedef enum {
 } MlgStop;
 
 /**
- * Points that somebody marked, read from a file. Immutable; may be read from many threads.
+ * Points that somebody marked. Immutable; may be read from many threads.
  */
 typedef struct MlgMarkers MlgMarkers;
+
+/**
+ * Places on a template with their targets: landmarks or attachments. Immutable; may be read from
+ * many threads.
+ */
+typedef struct MlgPairs MlgPairs;
 
 /**
  * A template and the data it is to follow. May be used by one thread at a time.
@@ -204,6 +225,48 @@ typedef struct {
    */
   char message[MLG_ERROR_MESSAGE_SIZE];
 } MlgError;
+
+/**
+ * Where a run stands. Lengths are in the template's unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`.
+   */
+  uint32_t state;
+  /**
+   * Iterations of the outer loop so far.
+   */
+  uint32_t iteration;
+  /**
+   * Share of the work done, 0 to 1, never falling.
+   */
+  double fraction;
+  /**
+   * Latest value of the objective.
+   */
+  double energy;
+  /**
+   * Mean distance of the markers (registrations: of the pairs) to the shape; NaN while unknown.
+   */
+  double mean_error;
+  /**
+   * Largest distance of a marker to the shape; NaN while unknown.
+   */
+  double max_error;
+  /**
+   * Seconds since the start.
+   */
+  double seconds;
+  /**
+   * What is being done: UTF-8, zero-terminated.
+   */
+  char stage[MLG_STAGE_SIZE];
+} MlgProgress;
 
 /**
  * How to make tets. Set with `mlg_tetrahedralization_options_init`.
@@ -330,48 +393,6 @@ typedef struct {
    */
   uint32_t reserved;
 } MlgReshapingOptions;
-
-/**
- * Where a run stands. Lengths are in the template's unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`.
-   */
-  uint32_t state;
-  /**
-   * Iterations of the outer loop so far.
-   */
-  uint32_t iteration;
-  /**
-   * Share of the work done, 0 to 1, never falling.
-   */
-  double fraction;
-  /**
-   * Latest value of the objective.
-   */
-  double energy;
-  /**
-   * Mean distance of the markers to the shape; NaN while unknown.
-   */
-  double mean_error;
-  /**
-   * Largest distance of a marker to the shape; NaN while unknown.
-   */
-  double max_error;
-  /**
-   * Seconds since the start.
-   */
-  double seconds;
-  /**
-   * What is being done: UTF-8, zero-terminated.
-   */
-  char stage[MLG_STAGE_SIZE];
-} MlgProgress;
 
 /**
  * The course of a reshaping. Lengths are in the template's unit.
@@ -536,10 +557,56 @@ const uint32_t *mlg_tet_mesh_tets(const MlgTetMesh *mesh, size_t *out_count);
 void mlg_tet_mesh_free(MlgTetMesh *mesh);
 
 /**
+ * The distance of each vertex of a surface to the nearest of some points: how well each place of a
+ * result is supported by markers.
+ *
+ * `points`: `3 * count` coordinates, finite, at least one point. `out_distances`: room for one number
+ * per vertex of `mesh`.
+ */
+MlgStatus mlg_tri_mesh_distances_to_points(const MlgTriMesh *mesh,
+                                           const double *points,
+                                           size_t count,
+                                           double *out_distances,
+                                           MlgError *error);
+
+/**
+ * The distance of each of some points to the nearest place on a surface: how well a result meets its
+ * markers.
+ *
+ * `points`: `3 * count` coordinates, finite, at least one point. `out_distances`: room for `count`
+ * numbers. The mesh needs triangles.
+ */
+MlgStatus mlg_tri_mesh_distances_of_points(const MlgTriMesh *mesh,
+                                           const double *points,
+                                           size_t count,
+                                           double *out_distances,
+                                           MlgError *error);
+
+/**
+ * Makes markers from arrays, which are copied.
+ *
+ * `points`: `3 * count` coordinates, finite. `weights`: `count` numbers, 0 or more, or NULL for 1
+ * throughout. `labels`: `count` names in UTF-8, each of which may be NULL; or NULL for none. Free
+ * with `mlg_markers_free`.
+ */
+MlgStatus mlg_markers_new(const double *points,
+                          const double *weights,
+                          const char *const *labels,
+                          size_t count,
+                          MlgMarkers **out_markers,
+                          MlgError *error);
+
+/**
  * Reads markers from `.csv`, `.txt`, `.xyz`, `.ply`, 3D Slicer `.mrk.json` and `.fcsv` (turned
  * into RAS) or MeshLab `.pp`. `path`: UTF-8. Free with `mlg_markers_free`.
  */
 MlgStatus mlg_markers_load(const char *path, MlgMarkers **out_markers, MlgError *error);
+
+/**
+ * Writes markers as `.csv`, 3D Slicer `.mrk.json` or `.fcsv` (said to be RAS) or MeshLab `.pp`.
+ * `path`: UTF-8.
+ */
+MlgStatus mlg_markers_save(const MlgMarkers *markers, const char *path, MlgError *error);
 
 /**
  * The positions: `3 * *out_count` coordinates, borrowed until the markers are freed. NULL for a
@@ -554,9 +621,45 @@ const double *mlg_markers_points(const MlgMarkers *markers, size_t *out_count);
 const double *mlg_markers_weights(const MlgMarkers *markers, size_t *out_count);
 
 /**
+ * The name of one marker: UTF-8, borrowed until the markers are freed. NULL where it has none, if
+ * `index` is not below the count, or for a handle that is not valid.
+ */
+const char *mlg_markers_label(const MlgMarkers *markers, size_t index);
+
+/**
  * Frees markers. NULL and handles freed already are allowed.
  */
 void mlg_markers_free(MlgMarkers *markers);
+
+/**
+ * Tells where a run stands; takes less than a microsecond. `out_progress`: its `struct_size` must
+ * be set.
+ */
+MlgStatus mlg_run_poll(const MlgRun *run, MlgProgress *out_progress, MlgError *error);
+
+/**
+ * Asks a run to stop; returns at once. The run still hands out the best shape so far, if it has
+ * one. Allowed at any time, from any thread (but not from a signal handler: set a flag there).
+ */
+void mlg_run_cancel(const MlgRun *run);
+
+/**
+ * Copies the latest shape of the surface (registrations: of all bones, one after the other), for a
+ * live view: `3 * *out_count` coordinates into
+ * `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
+ * before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
+ * `capacity` is 0.
+ */
+MlgStatus mlg_run_preview_points(const MlgRun *run,
+                                 double *buffer,
+                                 size_t capacity,
+                                 size_t *out_count,
+                                 MlgError *error);
+
+/**
+ * Cancels a run, waits for its end and frees it. NULL and handles freed already are allowed.
+ */
+void mlg_run_free(MlgRun *run);
 
 /**
  * Writes the defaults. `struct_size`: `sizeof *out_options`.
@@ -565,7 +668,7 @@ MlgStatus mlg_tetrahedralization_options_init(MlgTetrahedralizationOptions *out_
                                               size_t struct_size);
 
 /**
- * Fills a surface with tets; takes a second or so. `options`: NULL for the defaults. Free with
+ * Fills a surface with tets; takes seconds (to wait without blocking: `_start`). `options`: NULL for the defaults. Free with
  * `mlg_tetrahedralization_free`.
  */
 MlgStatus mlg_tetrahedralization_run(const MlgTriMesh *surface,
@@ -574,8 +677,27 @@ MlgStatus mlg_tetrahedralization_run(const MlgTriMesh *surface,
                                      MlgError *error);
 
 /**
+ * Starts filling a surface with tets on a thread of its own and returns at once. `options`: NULL for
+ * the defaults, read during the call only. Free the run with `mlg_run_free`.
+ */
+MlgStatus mlg_tetrahedralization_start(const MlgTriMesh *surface,
+                                       const MlgTetrahedralizationOptions *options,
+                                       MlgRun **out_run,
+                                       MlgError *error);
+
+/**
+ * Waits for the end of a tetrahedralization and hands the tets over, once; `MLG_STATUS_CANCELLED`
+ * if it was cancelled. Free them with `mlg_tetrahedralization_free`, and the run with
+ * `mlg_run_free`.
+ */
+MlgStatus mlg_run_wait_tetrahedralization(MlgRun *run,
+                                          MlgTetrahedralization **out_tets,
+                                          MlgError *error);
+
+/**
  * Takes tets made elsewhere; each vertex of the surface is carried by the tet that holds it, or
- * the nearest one. Free with `mlg_tetrahedralization_free`.
+ * the nearest one. Tets of another surface, or in another unit, are refused. Free with
+ * `mlg_tetrahedralization_free`.
  */
 MlgStatus mlg_tetrahedralization_from_tets(const MlgTriMesh *surface,
                                            const MlgTetMesh *tets,
@@ -722,6 +844,140 @@ MlgStatus mlg_reshaping_set_fixed(MlgReshaping *problem,
 void mlg_reshaping_free(MlgReshaping *problem);
 
 /**
+ * Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
+ * `target_x,target_y,target_z`; or a marker file with points on the template, if `person_path` is
+ * the marker file with the same labels on the person (else NULL). `template_surface`: where the
+ * places are looked up. Free with `mlg_pairs_free`.
+ */
+MlgStatus mlg_pairs_load_landmarks(const MlgTriMesh *template_surface,
+                                   const char *path,
+                                   const char *person_path,
+                                   MlgPairs **out_pairs,
+                                   MlgError *error);
+
+/**
+ * Reads attachments from a CSV file: the template's place (`template_x`, ... or `vertex`), its
+ * target (`target_x`, ...), and where they are there the template's bone point
+ * (`template_bone_x`, ...), `label` and `weight`. `keep_gap`: 1 to keep the template's distance
+ * between muscle and bone, turned as the bone is; 0 to go to the target itself. Free with
+ * `mlg_pairs_free`.
+ */
+MlgStatus mlg_pairs_load_attachments(const MlgTriMesh *template_surface,
+                                     const char *path,
+                                     uint32_t keep_gap,
+                                     MlgPairs **out_pairs,
+                                     MlgError *error);
+
+/**
+ * Attaches a template to a bone: each vertex of the bone within `distance` of the template holds
+ * the template's point nearest to it, at the distance it has there. `bone`: the bone beside the
+ * template at rest. `person_bone`: the same vertices where the person has them (`bone` itself if it
+ * stays). Free with `mlg_pairs_free`.
+ */
+MlgStatus mlg_pairs_from_bone(const MlgTriMesh *template_surface,
+                              const MlgTriMesh *bone,
+                              const MlgTriMesh *person_bone,
+                              double distance,
+                              MlgPairs **out_pairs,
+                              MlgError *error);
+
+/**
+ * The places on the template: `3 * *out_count` coordinates, borrowed until the pairs are freed.
+ * NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_pairs_template_points(const MlgPairs *pairs, size_t *out_count);
+
+/**
+ * The template's vertices: `*out_count` indices, `MLG_NO_VERTEX` where the file names none;
+ * borrowed until the pairs are freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const uint32_t *mlg_pairs_template_vertices(const MlgPairs *pairs,
+                                            size_t *out_count);
+
+/**
+ * The targets: `3 * *out_count` coordinates, borrowed until the pairs are freed. NULL for a handle
+ * that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_pairs_targets(const MlgPairs *pairs, size_t *out_count);
+
+/**
+ * The weights: `*out_count` numbers, borrowed until the pairs are freed. NULL for a handle that is
+ * not valid. `out_count`: may be NULL.
+ */
+const double *mlg_pairs_weights(const MlgPairs *pairs, size_t *out_count);
+
+/**
+ * The name of one pair: UTF-8, borrowed until the pairs are freed. NULL if `index` is not below the
+ * count or the handle is not valid.
+ */
+const char *mlg_pairs_label(const MlgPairs *pairs, size_t index);
+
+/**
+ * What was left out, such as labels that only one file has: a sentence in UTF-8, borrowed until the
+ * pairs are freed; NULL if nothing was.
+ */
+const char *mlg_pairs_warning(const MlgPairs *pairs);
+
+/**
+ * Frees pairs. NULL and handles freed already are allowed.
+ */
+void mlg_pairs_free(MlgPairs *pairs);
+
+/**
+ * Sets the landmarks of a problem; replaces earlier ones. Like `mlg_reshaping_set_landmarks`, with
+ * the names and vertices that `pairs` has.
+ */
+MlgStatus mlg_reshaping_set_landmark_pairs(MlgReshaping *problem,
+                                           const MlgPairs *pairs,
+                                           MlgError *error);
+
+/**
+ * Sets the attachments of a problem; replaces earlier ones. Like `mlg_reshaping_set_attachments`,
+ * with the names and vertices that `pairs` has.
+ */
+MlgStatus mlg_reshaping_set_attachment_pairs(MlgReshaping *problem,
+                                             const MlgPairs *pairs,
+                                             MlgError *error);
+
+/**
+ * Sets the vertices that stay from a CSV file with `vertex`, or `x,y,z`, or both; replaces earlier
+ * ones. `path`: UTF-8.
+ */
+MlgStatus mlg_reshaping_load_fixed(MlgReshaping *problem, const char *path, MlgError *error);
+
+/**
+ * Finds where to put a template so that the markers lie on its surface. Three or more landmarks
+ * that are not on one line decide alone; otherwise at least three markers are needed.
+ *
+ * `freedom`: `MLG_ALIGN_RIGID` or `MLG_ALIGN_SIMILARITY`. `markers`: `3 * marker_count`
+ * coordinates. `landmarks` and `landmark_targets`: `3 * landmark_count` coordinates each, places on
+ * the template and where they are on the person. Either may be NULL if its count is 0.
+ * `out_person_from_template`: room for 16 numbers, a 4x4 matrix, row by row.
+ */
+MlgStatus mlg_tri_mesh_align(const MlgTriMesh *template_surface,
+                             uint32_t freedom,
+                             const double *markers,
+                             size_t marker_count,
+                             const double *landmarks,
+                             const double *landmark_targets,
+                             size_t landmark_count,
+                             double *out_person_from_template,
+                             MlgError *error);
+
+/**
+ * Checks a problem's template, markers and pairs against each other, as the command line does before
+ * it starts: other units, another frame, contradictory landmarks, holes. What cannot work is an
+ * error. What may be a mistake is written into `buffer`, one sentence per line: UTF-8,
+ * zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if `capacity` is 0. `out_length`:
+ * bytes of the whole text without the zero; may be NULL.
+ */
+MlgStatus mlg_reshaping_check(const MlgReshaping *problem,
+                              char *buffer,
+                              size_t capacity,
+                              size_t *out_length,
+                              MlgError *error);
+
+/**
  * Starts a reshaping on a thread of its own and returns at once. The problem is copied: it may be
  * changed or freed while the run goes on. `options`: NULL for the defaults. Free the run with
  * `mlg_run_free`.
@@ -732,6 +988,13 @@ MlgStatus mlg_reshaping_start(const MlgReshaping *problem,
                               MlgError *error);
 
 /**
+ * Waits for the end of a reshaping and hands its result over, once. A cancelled run gives its best
+ * shape so far, marked by `stop` in its summary, or `MLG_STATUS_CANCELLED` if it had none yet. Free
+ * the result with `mlg_reshaping_result_free`, and the run with `mlg_run_free`.
+ */
+MlgStatus mlg_run_wait_reshaping(MlgRun *run, MlgReshapingResult **out_result, MlgError *error);
+
+/**
  * Reshapes and returns when it is done: `mlg_reshaping_start` and `mlg_run_wait_reshaping` in one.
  * Free the result with `mlg_reshaping_result_free`.
  */
@@ -739,42 +1002,6 @@ MlgStatus mlg_reshaping_run(const MlgReshaping *problem,
                             const MlgReshapingOptions *options,
                             MlgReshapingResult **out_result,
                             MlgError *error);
-
-/**
- * Tells where a run stands; takes less than a microsecond. `out_progress`: its `struct_size` must
- * be set.
- */
-MlgStatus mlg_run_poll(const MlgRun *run, MlgProgress *out_progress, MlgError *error);
-
-/**
- * Asks a run to stop; returns at once. The run still hands out the best shape so far, if it has
- * one. Allowed at any time, from any thread (but not from a signal handler: set a flag there).
- */
-void mlg_run_cancel(const MlgRun *run);
-
-/**
- * Copies the latest shape of the surface, for a live view: `3 * *out_count` coordinates into
- * `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
- * before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
- * `capacity` is 0.
- */
-MlgStatus mlg_run_preview_points(const MlgRun *run,
-                                 double *buffer,
-                                 size_t capacity,
-                                 size_t *out_count,
-                                 MlgError *error);
-
-/**
- * Waits for the end of a run and hands its result over, once. A cancelled run gives its best shape
- * so far, marked by `stop` in its summary, or `MLG_STATUS_CANCELLED` if it had none yet. Free the
- * result with `mlg_reshaping_result_free`, and the run with `mlg_run_free`.
- */
-MlgStatus mlg_run_wait_reshaping(MlgRun *run, MlgReshapingResult **out_result, MlgError *error);
-
-/**
- * Cancels a run, waits for its end and frees it. NULL and handles freed already are allowed.
- */
-void mlg_run_free(MlgRun *run);
 
 /**
  * The surface's points, in the template's order: `3 * *out_count` coordinates, borrowed until the
@@ -802,6 +1029,21 @@ const double *mlg_reshaping_result_plastic_strains(const MlgReshapingResult *res
  */
 const double *mlg_reshaping_result_marker_distances(const MlgReshapingResult *result,
                                                     size_t *out_count);
+
+/**
+ * The largest principal stretch of the deformation at each vertex of the surface: `*out_count`
+ * numbers, 1 where nothing was stretched; borrowed until the result is freed. NULL for a handle that
+ * is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_reshaping_result_max_stretches(const MlgReshapingResult *result,
+                                                 size_t *out_count);
+
+/**
+ * The smallest principal stretch of the deformation at each vertex of the surface, as
+ * `mlg_reshaping_result_max_stretches`.
+ */
+const double *mlg_reshaping_result_min_stretches(const MlgReshapingResult *result,
+                                                 size_t *out_count);
 
 /**
  * Carries other points along by the deformation: vessels inside, a textured mesh around.

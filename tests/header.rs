@@ -15,10 +15,14 @@ fn the_header_is_up_to_date() {
         "version",
         "boundary",
         "mesh",
+        "distances",
         "markers",
+        "run",
         "tetrahedralization",
         "reshaping",
-        "run",
+        "pairs",
+        "placing",
+        "reshaping_run",
         "result",
     ] {
         builder = builder.with_src(root.join(format!("src/capi/{file}.rs")));

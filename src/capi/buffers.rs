@@ -40,6 +40,19 @@ pub(super) unsafe fn points(pointer: *const f64, count: usize, name: &str) -> Ou
     }
 }
 
+/// The same, at least one.
+pub(super) unsafe fn some_points(
+    pointer: *const f64,
+    count: usize,
+    name: &str,
+) -> Outcome<Vec<Vec3>> {
+    if count == 0 {
+        return Err(Failure::invalid(format!("{name}: none given, at least one is needed")));
+    }
+    // SAFETY: passed on from the caller.
+    unsafe { points(pointer, count, name) }
+}
+
 /// Rows of `N` indices.
 pub(super) unsafe fn index_rows<const N: usize>(
     pointer: *const u32,
@@ -66,14 +79,36 @@ pub(super) unsafe fn weights(pointer: *const f64, count: usize) -> Outcome<Vec<f
     }
 }
 
-/// A path given as UTF-8.
-pub(super) unsafe fn path(pointer: *const c_char, name: &str) -> Outcome<PathBuf> {
+/// Texts in UTF-8, each of which may be NULL; NULL for the list: none has one.
+pub(super) unsafe fn texts(
+    pointer: *const *const c_char,
+    count: usize,
+    name: &str,
+) -> Outcome<Vec<Option<String>>> {
+    if pointer.is_null() {
+        return Ok(vec![None; count]);
+    }
+    // SAFETY: passed on from the caller.
+    let pointers = unsafe { elements(pointer, count, name)? };
+    // SAFETY: as above.
+    let text = |p: &*const c_char| unsafe { text(*p, name) };
+    pointers.iter().map(|p| if p.is_null() { Ok(None) } else { text(p).map(Some) }).collect()
+}
+
+/// A text in UTF-8.
+pub(super) unsafe fn text(pointer: *const c_char, name: &str) -> Outcome<String> {
     if pointer.is_null() {
         return Err(Failure::null(name));
     }
     // SAFETY: not NULL, and the caller promises a terminated string.
     let text = unsafe { CStr::from_ptr(pointer) }.to_str();
-    text.map(PathBuf::from).map_err(|_| Failure::invalid(format!("{name} is not UTF-8")))
+    text.map(str::to_owned).map_err(|_| Failure::invalid(format!("{name} is not UTF-8")))
+}
+
+/// A path given as UTF-8.
+pub(super) unsafe fn path(pointer: *const c_char, name: &str) -> Outcome<PathBuf> {
+    // SAFETY: passed on from the caller.
+    unsafe { text(pointer, name) }.map(PathBuf::from)
 }
 
 /// Writes an output; `name` must not be NULL.
@@ -96,6 +131,21 @@ pub(super) unsafe fn lend<T, C>(list: &[T], out_count: *mut usize) -> *const C {
         unsafe { out_count.write(list.len()) };
     }
     if list.is_empty() { std::ptr::null() } else { list.as_ptr().cast() }
+}
+
+/// A switch: 0 or 1.
+pub(super) fn switch(value: u32, name: &str) -> Outcome<bool> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        other => Err(Failure::invalid(format!("{name} is {other}; 0 and 1 are known"))),
+    }
+}
+
+/// Copies numbers to the caller, who promises room for all of them and a pointer that is not NULL.
+pub(super) unsafe fn copy_out<T: Copy>(values: &[T], out: *mut T) {
+    // SAFETY: passed on from the caller.
+    unsafe { std::ptr::copy(values.as_ptr(), out, values.len()) };
 }
 
 /// Copies points into a buffer of the caller if it has room for all of them.

@@ -1,19 +1,70 @@
-//! Marker files.
+//! Markers from arrays and files.
 
 use libc::c_char;
+use std::ffi::CString;
 use std::ptr;
 
 use super::boundary::{MlgError, MlgStatus, guard, guard_or};
 use super::{buffers, handles};
-use crate::io::read_markers;
+use crate::io::{self, read_markers, write_markers};
 use crate::math::Vec3;
 
-/// Points that somebody marked, read from a file. Immutable; may be read from many threads.
+/// Points that somebody marked. Immutable; may be read from many threads.
 pub struct MlgMarkers;
 
 struct Markers {
     points: Vec<Vec3>,
     weights: Vec<f64>,
+    labels: Vec<Option<CString>>,
+    /// As the file has them: what is not said there is not written either.
+    original: Vec<io::Marker>,
+}
+
+impl Markers {
+    fn new(markers: Vec<io::Marker>) -> Self {
+        let label = |m: &io::Marker| m.label.as_deref().and_then(|l| CString::new(l).ok());
+        Self {
+            points: markers.iter().map(|m| m.position).collect(),
+            weights: markers.iter().map(|m| m.weight.unwrap_or(1.0)).collect(),
+            labels: markers.iter().map(label).collect(),
+            original: markers,
+        }
+    }
+}
+
+/// Makes markers from arrays, which are copied.
+///
+/// `points`: `3 * count` coordinates, finite. `weights`: `count` numbers, 0 or more, or NULL for 1
+/// throughout. `labels`: `count` names in UTF-8, each of which may be NULL; or NULL for none. Free
+/// with `mlg_markers_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_markers_new(
+    points: *const f64,
+    weights: *const f64,
+    labels: *const *const c_char,
+    count: usize,
+    out_markers: *mut *mut MlgMarkers,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_markers, "out_markers")?;
+        // SAFETY: the caller's promise (see the module).
+        let places = unsafe { buffers::points(points, count, "points")? };
+        let given = !weights.is_null();
+        // SAFETY: as above.
+        let weights = unsafe { buffers::weights(weights, count)? };
+        // SAFETY: as above.
+        let labels = unsafe { buffers::texts(labels, count, "labels")? };
+        let markers = places.into_iter().zip(weights).zip(labels);
+        let markers = markers.map(|((position, weight), label)| io::Marker {
+            label,
+            weight: given.then_some(weight),
+            ..io::Marker::at(position)
+        });
+        let handle = handles::give(Markers::new(markers.collect()));
+        // SAFETY: as above.
+        unsafe { buffers::write(out_markers, handle, "out_markers") }
+    })
 }
 
 /// Reads markers from `.csv`, `.txt`, `.xyz`, `.ply`, 3D Slicer `.mrk.json` and `.fcsv` (turned
@@ -28,11 +79,24 @@ pub unsafe extern "C" fn mlg_markers_load(
         buffers::check_out(out_markers, "out_markers")?;
         // SAFETY: the caller's promise (see the module).
         let markers = read_markers(&unsafe { buffers::path(path, "path")? })?;
-        let points = markers.iter().map(|m| m.position).collect();
-        let weights = markers.iter().map(|m| m.weight.unwrap_or(1.0)).collect();
-        let handle = handles::give(Markers { points, weights });
+        let handle = handles::give(Markers::new(markers));
         // SAFETY: as above.
         unsafe { buffers::write(out_markers, handle, "out_markers") }
+    })
+}
+
+/// Writes markers as `.csv`, 3D Slicer `.mrk.json` or `.fcsv` (said to be RAS) or MeshLab `.pp`.
+/// `path`: UTF-8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_markers_save(
+    markers: *const MlgMarkers,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let markers = handles::get::<Markers, _>(markers, "markers")?;
+        // SAFETY: the caller's promise (see the module).
+        Ok(write_markers(&unsafe { buffers::path(path, "path")? }, &markers.original)?)
     })
 }
 
@@ -61,6 +125,20 @@ pub unsafe extern "C" fn mlg_markers_weights(
         let markers = handles::get::<Markers, _>(markers, "markers")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&markers.weights, out_count) })
+    })
+}
+
+/// The name of one marker: UTF-8, borrowed until the markers are freed. NULL where it has none, if
+/// `index` is not below the count, or for a handle that is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_markers_label(
+    markers: *const MlgMarkers,
+    index: usize,
+) -> *const c_char {
+    guard_or(ptr::null(), || {
+        let markers = handles::get::<Markers, _>(markers, "markers")?;
+        let label = markers.labels.get(index).and_then(Option::as_ref);
+        Ok(label.map_or(ptr::null(), |l| l.as_ptr()))
     })
 }
 

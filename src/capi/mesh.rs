@@ -3,7 +3,7 @@
 use libc::c_char;
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
 use super::{buffers, handles};
 use crate::io::{SurfaceFile, read_surface, read_tets, write_surface, write_vtu};
 use crate::mesh::{SurfaceCheck, TetMesh, TriMesh};
@@ -17,7 +17,17 @@ pub struct MlgTetMesh;
 /// A surface, with the file it came from so that texture coordinates and groups survive.
 pub(super) struct Surface {
     pub mesh: TriMesh,
-    file: Option<SurfaceFile>,
+    pub file: Option<SurfaceFile>,
+}
+
+impl Surface {
+    /// Refuses a bare cloud of points where a surface is needed.
+    pub fn check_triangles(&self, name: &str) -> Outcome<()> {
+        if self.mesh.triangles.is_empty() {
+            return Err(Failure::invalid(format!("{name} has no triangles")));
+        }
+        Ok(())
+    }
 }
 
 /// Makes a surface from arrays, which are copied.

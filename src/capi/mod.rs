@@ -9,19 +9,27 @@
 
 mod boundary;
 mod buffers;
+mod distances;
 mod handles;
 mod markers;
 mod mesh;
+mod pairs;
+mod placing;
 mod reshaping;
+mod reshaping_run;
 mod result;
 mod run;
 mod tetrahedralization;
 mod version;
 
 pub use boundary::*;
+pub use distances::*;
 pub use markers::*;
 pub use mesh::*;
+pub use pairs::*;
+pub use placing::*;
 pub use reshaping::*;
+pub use reshaping_run::*;
 pub use result::*;
 pub use run::*;
 pub use tetrahedralization::*;

@@ -6,7 +6,8 @@ use super::boundary::{MlgError, MlgStatus, guard, guard_or};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::tetrahedralization::MlgTetQuality;
-use crate::locate::{ClosestPoints, Embedding};
+use crate::job::{marker_distances, vertex_stretches};
+use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::mesh::TetQuality;
 use crate::reshape::{Problem, Reshaped, Stop};
@@ -59,16 +60,18 @@ pub(super) struct ReshapingResult {
     problem: Problem,
     reshaped: Reshaped,
     marker_distances: Vec<f64>,
+    /// Largest and smallest principal stretch at each vertex of the surface.
+    stretches: (Vec<f64>, Vec<f64>),
     seconds: f64,
 }
 
 impl ReshapingResult {
     pub fn new(problem: Problem, reshaped: Reshaped, seconds: f64) -> Self {
-        let surface = ClosestPoints::new(&reshaped.surface_points, &problem.surface.triangles);
         let markers: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
-        let distance = |c: Option<crate::locate::SurfacePoint>| c.map_or(f64::NAN, |c| c.distance);
-        let marker_distances = surface.closest_many(&markers).into_iter().map(distance).collect();
-        Self { problem, reshaped, marker_distances, seconds }
+        let triangles = &problem.surface.triangles;
+        let marker_distances = marker_distances(&reshaped.surface_points, triangles, &markers);
+        let stretches = vertex_stretches(&problem.tets, &reshaped.tet_points, &problem.embedding);
+        Self { problem, reshaped, marker_distances, stretches, seconds }
     }
 
     fn summary(&self) -> MlgReshapingSummary {
@@ -151,6 +154,35 @@ pub unsafe extern "C" fn mlg_reshaping_result_marker_distances(
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.marker_distances, out_count) })
+    })
+}
+
+/// The largest principal stretch of the deformation at each vertex of the surface: `*out_count`
+/// numbers, 1 where nothing was stretched; borrowed until the result is freed. NULL for a handle that
+/// is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_max_stretches(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.stretches.0, out_count) })
+    })
+}
+
+/// The smallest principal stretch of the deformation at each vertex of the surface, as
+/// `mlg_reshaping_result_max_stretches`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_min_stretches(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.stretches.1, out_count) })
     })
 }
 

@@ -1,6 +1,7 @@
 //! Runs: started, polled, cancelled, waited for. No callback crosses the border.
 
 use libc::c_char;
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,9 +12,6 @@ use super::boundary::{
 };
 use super::buffers::{self, Versioned};
 use super::handles;
-use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options_of};
-use super::result::{MlgReshapingResult, ReshapingResult};
-use crate::reshape::{Options, Problem, reshape};
 use crate::run::Run;
 
 /// A computation on a thread of its own. May be polled and cancelled from any thread.
@@ -21,7 +19,7 @@ pub struct MlgRun;
 
 /// Still at work.
 pub const MLG_RUN_RUNNING: u32 = 0;
-/// Ended; `mlg_run_wait_reshaping` returns at once.
+/// Ended; waiting for its result returns at once.
 pub const MLG_RUN_ENDED: u32 = 1;
 
 /// Bytes of `MlgProgress.stage`, the ending zero included.
@@ -41,7 +39,7 @@ pub struct MlgProgress {
     pub fraction: f64,
     /// Latest value of the objective.
     pub energy: f64,
-    /// Mean distance of the markers to the shape; NaN while unknown.
+    /// Mean distance of the markers (registrations: of the pairs) to the shape; NaN while unknown.
     pub mean_error: f64,
     /// Largest distance of a marker to the shape; NaN while unknown.
     pub max_error: f64,
@@ -54,24 +52,33 @@ pub struct MlgProgress {
 // SAFETY: repr(C), plain numbers, size first.
 unsafe impl Versioned for MlgProgress {}
 
-type Answer = Arc<Mutex<Option<Outcome<ReshapingResult>>>>;
+/// A result of any kind; `wait_for` knows which.
+type Answer = Box<dyn Any + Send>;
 
-struct RunObject {
+pub(super) struct RunObject {
     run: Run,
+    /// What it computes, for error messages: "a reshaping".
+    kind: &'static str,
     worker: Mutex<Option<JoinHandle<()>>>,
     ended: Arc<AtomicBool>,
-    answer: Answer,
+    answer: Arc<Mutex<Option<Outcome<Answer>>>>,
 }
 
 impl RunObject {
-    fn start(problem: Problem, options: Options, thread_count: usize) -> Outcome<Self> {
+    /// Starts `compute` on a thread of its own, over a pool of `thread_count` threads (0: all).
+    pub fn start<T: Any + Send>(
+        kind: &'static str,
+        thread_count: usize,
+        compute: impl FnOnce(&Run) -> Outcome<T> + Send + 'static,
+    ) -> Outcome<Self> {
         let run = Run::new();
-        let answer = Answer::default();
+        let answer = Arc::new(Mutex::new(None));
         let ended = Arc::new(AtomicBool::new(false));
         let (its_run, its_answer, its_end) = (run.clone(), Arc::clone(&answer), Arc::clone(&ended));
         let work = move || {
-            let done = catch_unwind(AssertUnwindSafe(|| {
-                compute(problem, &options, &its_run, thread_count)
+            let done: Outcome<Answer> = catch_unwind(AssertUnwindSafe(|| {
+                let computed = in_pool(thread_count, || compute(&its_run))??;
+                Ok(Box::new(computed) as Answer)
             }))
             .unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
             *its_answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(done);
@@ -81,7 +88,7 @@ impl RunObject {
             .name("moulage run".into())
             .spawn(work)
             .map_err(|e| Failure::invalid(format!("no thread could be started: {e}")))?;
-        Ok(Self { run, worker: Mutex::new(Some(worker)), ended, answer })
+        Ok(Self { run, kind, worker: Mutex::new(Some(worker)), ended, answer })
     }
 
     /// Waits for the end.
@@ -90,6 +97,21 @@ impl RunObject {
         if let Some(worker) = worker {
             // The worker catches its panics; there is nothing to learn here.
             let _ = worker.join();
+        }
+    }
+
+    fn take<T: Any>(&self) -> Outcome<T> {
+        let mut slot = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        match slot.take() {
+            None => Err(Failure::invalid("the result of this run was waited for already")),
+            Some(Err(failure)) => Err(failure),
+            Some(Ok(answer)) => answer.downcast::<T>().map(|boxed| *boxed).map_err(|other| {
+                *slot = Some(Ok(other));
+                Failure::invalid(format!(
+                    "this run is {}; wait with the function for its kind",
+                    self.kind
+                ))
+            }),
         }
     }
 }
@@ -101,12 +123,8 @@ impl Drop for RunObject {
     }
 }
 
-fn compute(
-    problem: Problem,
-    options: &Options,
-    run: &Run,
-    thread_count: usize,
-) -> Outcome<ReshapingResult> {
+/// Runs `work` over so many threads of its own; 0: all cores.
+pub(super) fn in_pool<T: Send>(thread_count: usize, work: impl FnOnce() -> T + Send) -> Outcome<T> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(thread_count)
         .thread_name(|i| format!("moulage {i}"))
@@ -114,50 +132,21 @@ fn compute(
         .map_err(|e| {
             Failure::invalid(format!("{thread_count} threads could not be started: {e}"))
         })?;
-    let reshaped = pool.install(|| reshape(&problem, options, run))?;
-    Ok(ReshapingResult::new(problem, reshaped, run.progress().seconds))
+    Ok(pool.install(work))
 }
 
-/// Starts a reshaping on a thread of its own and returns at once. The problem is copied: it may be
-/// changed or freed while the run goes on. `options`: NULL for the defaults. Free the run with
-/// `mlg_run_free`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_reshaping_start(
-    problem: *const MlgReshaping,
-    options: *const MlgReshapingOptions,
-    out_run: *mut *mut MlgRun,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_run, "out_run")?;
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
-        problem.check()?;
-        // SAFETY: the caller's promise (see the module).
-        let (options, thread_count) = unsafe { options_of(options)? };
-        let run = RunObject::start(problem, options, thread_count)?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
-    })
-}
-
-/// Reshapes and returns when it is done: `mlg_reshaping_start` and `mlg_run_wait_reshaping` in one.
-/// Free the result with `mlg_reshaping_result_free`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_reshaping_run(
-    problem: *const MlgReshaping,
-    options: *const MlgReshapingOptions,
-    out_result: *mut *mut MlgReshapingResult,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_result, "out_result")?;
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
-        // SAFETY: the caller's promise (see the module).
-        let (options, thread_count) = unsafe { options_of(options)? };
-        let result = compute(problem, &options, &Run::new(), thread_count)?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_result, handles::give(result), "out_result") }
-    })
+/// The body of every `mlg_run_wait_...`: waits and gives the result a handle of its own.
+pub(super) unsafe fn wait_for<T: Any + Send + Sync, H>(
+    run: *mut MlgRun,
+    out_result: *mut *mut H,
+    name: &str,
+) -> Outcome<()> {
+    buffers::check_out(out_result, name)?;
+    let object = handles::get::<RunObject, _>(run, "run")?;
+    object.join();
+    let result: T = object.take()?;
+    // SAFETY: passed on from the caller.
+    unsafe { buffers::write(out_result, handles::give(result), name) }
 }
 
 /// Tells where a run stands; takes less than a microsecond. `out_progress`: its `struct_size` must
@@ -199,7 +188,8 @@ pub unsafe extern "C" fn mlg_run_cancel(run: *const MlgRun) {
     });
 }
 
-/// Copies the latest shape of the surface, for a live view: `3 * *out_count` coordinates into
+/// Copies the latest shape of the surface (registrations: of all bones, one after the other), for a
+/// live view: `3 * *out_count` coordinates into
 /// `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
 /// before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
 /// `capacity` is 0.
@@ -219,28 +209,6 @@ pub unsafe extern "C" fn mlg_run_preview_points(
         unsafe { buffers::copy_points(&points, buffer, capacity)? };
         // SAFETY: as above.
         unsafe { buffers::write(out_count, points.len(), "out_count") }
-    })
-}
-
-/// Waits for the end of a run and hands its result over, once. A cancelled run gives its best shape
-/// so far, marked by `stop` in its summary, or `MLG_STATUS_CANCELLED` if it had none yet. Free the
-/// result with `mlg_reshaping_result_free`, and the run with `mlg_run_free`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_run_wait_reshaping(
-    run: *mut MlgRun,
-    out_result: *mut *mut MlgReshapingResult,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_result, "out_result")?;
-        let object = handles::get::<RunObject, _>(run, "run")?;
-        object.join();
-        let answer = object.answer.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let result = answer.unwrap_or_else(|| {
-            Err(Failure::invalid("the result of this run was waited for already"))
-        })?;
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_result, handles::give(result), "out_result") }
     })
 }
 

@@ -8,6 +8,8 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
+use super::run::{MlgRun, RunObject, wait_for};
+use crate::job::fill_with;
 use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TetQuality};
 use crate::run::Run;
@@ -158,7 +160,7 @@ unsafe fn options_of(given: *const MlgTetrahedralizationOptions) -> Outcome<Opti
     Ok(Options { method, tet_count: given.tet_count as usize, tetgen_path })
 }
 
-/// Fills a surface with tets; takes a second or so. `options`: NULL for the defaults. Free with
+/// Fills a surface with tets; takes seconds (to wait without blocking: `_start`). `options`: NULL for the defaults. Free with
 /// `mlg_tetrahedralization_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tetrahedralization_run(
@@ -179,8 +181,45 @@ pub unsafe extern "C" fn mlg_tetrahedralization_run(
     })
 }
 
+/// Starts filling a surface with tets on a thread of its own and returns at once. `options`: NULL for
+/// the defaults, read during the call only. Free the run with `mlg_run_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tetrahedralization_start(
+    surface: *const MlgTriMesh,
+    options: *const MlgTetrahedralizationOptions,
+    out_run: *mut *mut MlgRun,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_run, "out_run")?;
+        let surface = handles::get::<Surface, _>(surface, "surface")?;
+        // SAFETY: the caller's promise (see the module).
+        let options = unsafe { options_of(options)? };
+        let run = RunObject::start("a tetrahedralization", 0, move |run| {
+            let made = tetrahedralize(&surface.mesh, &options, run)?;
+            Ok(Carried::new(surface, made))
+        })?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+    })
+}
+
+/// Waits for the end of a tetrahedralization and hands the tets over, once; `MLG_STATUS_CANCELLED`
+/// if it was cancelled. Free them with `mlg_tetrahedralization_free`, and the run with
+/// `mlg_run_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_run_wait_tetrahedralization(
+    run: *mut MlgRun,
+    out_tets: *mut *mut MlgTetrahedralization,
+    error: *mut MlgError,
+) -> MlgStatus {
+    // SAFETY: the caller's promise (see the module).
+    guard(error, || unsafe { wait_for::<Carried, _>(run, out_tets, "out_tets") })
+}
+
 /// Takes tets made elsewhere; each vertex of the surface is carried by the tet that holds it, or
-/// the nearest one. Free with `mlg_tetrahedralization_free`.
+/// the nearest one. Tets of another surface, or in another unit, are refused. Free with
+/// `mlg_tetrahedralization_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tetrahedralization_from_tets(
     surface: *const MlgTriMesh,
@@ -192,14 +231,15 @@ pub unsafe extern "C" fn mlg_tetrahedralization_from_tets(
         buffers::check_out(out_tets, "out_tets")?;
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         let tets = TetMesh::clone(&*handles::get::<TetMesh, _>(tets, "tets")?);
+        let filling = fill_with(tets, &surface.mesh, "the caller".into())?;
         let carried = Carried {
-            embedding: Embedding::new(&tets, &surface.mesh.points)?,
-            inside_fraction: vec![1.0; tets.tets.len()],
+            embedding: filling.embedding,
+            inside_fraction: filling.inside_fraction,
             method: MLG_TETS_GIVEN,
             boundary_kept: false,
             warnings: Vec::new(),
             surface,
-            tets,
+            tets: filling.mesh,
         };
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write(out_tets, handles::give(carried), "out_tets") }

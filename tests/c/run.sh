@@ -16,9 +16,9 @@ diff <(echo "$declared") <(echo "$exported") || { echo "exports and header diffe
 warnings=(-Wall -Wextra -Wconversion -Werror -pedantic)
 sanitize=(-g -fsanitize=address,undefined -fno-sanitize-recover=all)
 link=(-Iinclude -Itests/c -L"$libraries" -Wl,-rpath,"$(realpath "$libraries")" -lmoulage -lm)
-for name in mistakes runs; do
+for name in mistakes inputs runs; do
     gcc -std=c99 "${warnings[@]}" "${sanitize[@]}" tests/c/$name.c -o "$out/$name" "${link[@]}"
-    "$out/$name"
+    "$out/$name" "$out"
     gcc -std=c99 "${warnings[@]}" -g tests/c/$name.c -o "$out/$name.plain" "${link[@]}"
 done
 g++ -std=c++17 "${warnings[@]}" "${sanitize[@]}" tests/c/raii.cpp -o "$out/raii" "${link[@]}"
@@ -29,6 +29,7 @@ gcc -std=c99 -D_POSIX_C_SOURCE=200809L "${warnings[@]}" examples/c/reshape.c -o 
 if command -v valgrind >/dev/null; then
     check=(valgrind --quiet --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite)
     "${check[@]}" "$out/mistakes.plain"
+    "${check[@]}" "$out/inputs.plain" "$out"
     "${check[@]}" "$out/runs.plain" quick
 fi
 echo "c: good"

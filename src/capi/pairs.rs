@@ -1,0 +1,294 @@
+//! Places on a template and their targets, read from files or made from bones.
+
+use libc::c_char;
+use std::ffi::CString;
+use std::path::PathBuf;
+use std::ptr;
+
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::mesh::{MlgTriMesh, Surface};
+use super::reshaping::{MlgReshaping, ProblemObject};
+use super::{buffers, handles};
+use crate::job::{
+    Gap, Pair, attach_to_bone, read_attachment_pairs, read_fixed_vertices, read_landmark_pairs,
+};
+use crate::math::Vec3;
+use crate::reshape::{Landmark, TemplatePoint};
+
+/// Places on a template with their targets: landmarks or attachments. Immutable; may be read from
+/// many threads.
+pub struct MlgPairs;
+
+/// Vertex of a pair whose place is no vertex of the template.
+pub const MLG_NO_VERTEX: u32 = u32::MAX;
+
+struct Pairs {
+    list: Vec<Pair>,
+    places: Vec<Vec3>,
+    vertices: Vec<u32>,
+    targets: Vec<Vec3>,
+    weights: Vec<f64>,
+    labels: Vec<CString>,
+    warning: Option<CString>,
+}
+
+impl Pairs {
+    fn new(pairs: Vec<Pair>, warning: Option<String>) -> Self {
+        let label = |p: &Pair| CString::new(p.label.replace('\0', " ")).unwrap_or_default();
+        Self {
+            places: pairs.iter().map(|p| p.position).collect(),
+            vertices: pairs.iter().map(|p| p.vertex.unwrap_or(MLG_NO_VERTEX)).collect(),
+            targets: pairs.iter().map(|p| p.target).collect(),
+            weights: pairs.iter().map(|p| p.weight).collect(),
+            labels: pairs.iter().map(label).collect(),
+            warning: warning.and_then(|w| CString::new(w).ok()),
+            list: pairs,
+        }
+    }
+
+    fn landmarks(&self) -> Vec<Landmark> {
+        let landmark = |pair: &Pair| Landmark {
+            label: pair.label.clone(),
+            template: pair
+                .vertex
+                .map_or(TemplatePoint::Position(pair.position), TemplatePoint::Vertex),
+            target: pair.target,
+            weight: pair.weight,
+        };
+        self.list.iter().map(landmark).collect()
+    }
+}
+
+/// Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
+/// `target_x,target_y,target_z`; or a marker file with points on the template, if `person_path` is
+/// the marker file with the same labels on the person (else NULL). `template_surface`: where the
+/// places are looked up. Free with `mlg_pairs_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_load_landmarks(
+    template_surface: *const MlgTriMesh,
+    path: *const c_char,
+    person_path: *const c_char,
+    out_pairs: *mut *mut MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_pairs, "out_pairs")?;
+        let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
+        // SAFETY: the caller's promise (see the module).
+        let mut files: Vec<PathBuf> = vec![unsafe { buffers::path(path, "path")? }];
+        if !person_path.is_null() {
+            // SAFETY: as above.
+            files.push(unsafe { buffers::path(person_path, "person_path")? });
+        }
+        let (pairs, warning) = read_landmark_pairs(&files, &surface.mesh)?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_pairs, handles::give(Pairs::new(pairs, warning)), "out_pairs") }
+    })
+}
+
+/// Reads attachments from a CSV file: the template's place (`template_x`, ... or `vertex`), its
+/// target (`target_x`, ...), and where they are there the template's bone point
+/// (`template_bone_x`, ...), `label` and `weight`. `keep_gap`: 1 to keep the template's distance
+/// between muscle and bone, turned as the bone is; 0 to go to the target itself. Free with
+/// `mlg_pairs_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_load_attachments(
+    template_surface: *const MlgTriMesh,
+    path: *const c_char,
+    keep_gap: u32,
+    out_pairs: *mut *mut MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_pairs, "out_pairs")?;
+        let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
+        let gap = if buffers::switch(keep_gap, "keep_gap")? { Gap::Keep } else { Gap::Close };
+        // SAFETY: the caller's promise (see the module).
+        let path = unsafe { buffers::path(path, "path")? };
+        let pairs = Pairs::new(read_attachment_pairs(&path, &surface.mesh, gap)?, None);
+        // SAFETY: as above.
+        unsafe { buffers::write(out_pairs, handles::give(pairs), "out_pairs") }
+    })
+}
+
+/// Attaches a template to a bone: each vertex of the bone within `distance` of the template holds
+/// the template's point nearest to it, at the distance it has there. `bone`: the bone beside the
+/// template at rest. `person_bone`: the same vertices where the person has them (`bone` itself if it
+/// stays). Free with `mlg_pairs_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_from_bone(
+    template_surface: *const MlgTriMesh,
+    bone: *const MlgTriMesh,
+    person_bone: *const MlgTriMesh,
+    distance: f64,
+    out_pairs: *mut *mut MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_pairs, "out_pairs")?;
+        let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
+        surface.check_triangles("template_surface")?;
+        let rest = handles::get::<Surface, _>(bone, "bone")?;
+        let person = handles::get::<Surface, _>(person_bone, "person_bone")?;
+        if !(distance > 0.0 && distance.is_finite()) {
+            return Err(Failure::invalid(format!("distance is {distance}; it must be above 0")));
+        }
+        let (rest, person) = (&rest.mesh.points, &person.mesh.points);
+        let pairs = attach_to_bone("bone", rest, person, &surface.mesh, distance)?;
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write(out_pairs, handles::give(Pairs::new(pairs, None)), "out_pairs") }
+    })
+}
+
+/// The places on the template: `3 * *out_count` coordinates, borrowed until the pairs are freed.
+/// NULL for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_template_points(
+    pairs: *const MlgPairs,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&pairs.places, out_count) })
+    })
+}
+
+/// The template's vertices: `*out_count` indices, `MLG_NO_VERTEX` where the file names none;
+/// borrowed until the pairs are freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_template_vertices(
+    pairs: *const MlgPairs,
+    out_count: *mut usize,
+) -> *const u32 {
+    guard_or(ptr::null(), || {
+        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&pairs.vertices, out_count) })
+    })
+}
+
+/// The targets: `3 * *out_count` coordinates, borrowed until the pairs are freed. NULL for a handle
+/// that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_targets(
+    pairs: *const MlgPairs,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&pairs.targets, out_count) })
+    })
+}
+
+/// The weights: `*out_count` numbers, borrowed until the pairs are freed. NULL for a handle that is
+/// not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_weights(
+    pairs: *const MlgPairs,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&pairs.weights, out_count) })
+    })
+}
+
+/// The name of one pair: UTF-8, borrowed until the pairs are freed. NULL if `index` is not below the
+/// count or the handle is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_label(pairs: *const MlgPairs, index: usize) -> *const c_char {
+    guard_or(ptr::null(), || {
+        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
+        Ok(pairs.labels.get(index).map_or(ptr::null(), |l| l.as_ptr()))
+    })
+}
+
+/// What was left out, such as labels that only one file has: a sentence in UTF-8, borrowed until the
+/// pairs are freed; NULL if nothing was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_warning(pairs: *const MlgPairs) -> *const c_char {
+    guard_or(ptr::null(), || {
+        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
+        Ok(pairs.warning.as_ref().map_or(ptr::null(), |w| w.as_ptr()))
+    })
+}
+
+/// Frees pairs. NULL and handles freed already are allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_free(pairs: *mut MlgPairs) {
+    guard_or((), || {
+        handles::free::<Pairs, _>(pairs);
+        Ok(())
+    });
+}
+
+/// Sets the landmarks of a problem; replaces earlier ones. Like `mlg_reshaping_set_landmarks`, with
+/// the names and vertices that `pairs` has.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_landmark_pairs(
+    problem: *mut MlgReshaping,
+    pairs: *const MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let (problem, landmarks) = problem_and_pairs(problem, pairs)?;
+        problem.lock().landmarks = landmarks;
+        Ok(())
+    })
+}
+
+/// Sets the attachments of a problem; replaces earlier ones. Like `mlg_reshaping_set_attachments`,
+/// with the names and vertices that `pairs` has.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_attachment_pairs(
+    problem: *mut MlgReshaping,
+    pairs: *const MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let (problem, attachments) = problem_and_pairs(problem, pairs)?;
+        problem.lock().attachments = attachments;
+        Ok(())
+    })
+}
+
+/// Sets the vertices that stay from a CSV file with `vertex`, or `x,y,z`, or both; replaces earlier
+/// ones. `path`: UTF-8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_load_fixed(
+    problem: *mut MlgReshaping,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        // SAFETY: the caller's promise (see the module).
+        let path = unsafe { buffers::path(path, "path")? };
+        let mut problem = problem.lock();
+        problem.fixed = read_fixed_vertices(&path, &problem.surface)?;
+        Ok(())
+    })
+}
+
+type ProblemAndPairs = (std::sync::Arc<ProblemObject>, Vec<Landmark>);
+
+fn problem_and_pairs(
+    problem: *mut MlgReshaping,
+    pairs: *const MlgPairs,
+) -> Outcome<ProblemAndPairs> {
+    let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    let landmarks = handles::get::<Pairs, _>(pairs, "pairs")?.landmarks();
+    let known = problem.lock().surface.points.len();
+    let beyond =
+        |l: &&Landmark| matches!(l.template, TemplatePoint::Vertex(v) if v as usize >= known);
+    match landmarks.iter().find(beyond) {
+        Some(l) => Err(Failure::invalid(format!(
+            "pairs: '{}' names a vertex that this template does not have; read them for this template",
+            l.label
+        ))),
+        None => Ok((problem, landmarks)),
+    }
+}

@@ -1,0 +1,132 @@
+//! Before a reshaping: where the template is to lie, and what is suspicious.
+
+use libc::c_char;
+
+use super::boundary::{Failure, MlgError, MlgStatus, guard};
+use super::mesh::{MlgTriMesh, Surface};
+use super::reshaping::{MlgReshaping, ProblemObject};
+use super::{buffers, handles};
+use crate::align::{Freedom, Similarity, pre_align};
+use crate::job::{Align, Data, Pair, inspect_data};
+use crate::math::Vec3;
+use crate::reshape::{Landmark, Problem, TemplatePoint};
+
+/// Turn and move only.
+pub const MLG_ALIGN_RIGID: u32 = 0;
+/// Turn, move and scale.
+pub const MLG_ALIGN_SIMILARITY: u32 = 1;
+
+/// Finds where to put a template so that the markers lie on its surface. Three or more landmarks
+/// that are not on one line decide alone; otherwise at least three markers are needed.
+///
+/// `freedom`: `MLG_ALIGN_RIGID` or `MLG_ALIGN_SIMILARITY`. `markers`: `3 * marker_count`
+/// coordinates. `landmarks` and `landmark_targets`: `3 * landmark_count` coordinates each, places on
+/// the template and where they are on the person. Either may be NULL if its count is 0.
+/// `out_person_from_template`: room for 16 numbers, a 4x4 matrix, row by row.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_tri_mesh_align(
+    template_surface: *const MlgTriMesh,
+    freedom: u32,
+    markers: *const f64,
+    marker_count: usize,
+    landmarks: *const f64,
+    landmark_targets: *const f64,
+    landmark_count: usize,
+    out_person_from_template: *mut f64,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_person_from_template, "out_person_from_template")?;
+        let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
+        surface.check_triangles("template_surface")?;
+        let freedom = match freedom {
+            MLG_ALIGN_RIGID => Freedom::Rigid,
+            MLG_ALIGN_SIMILARITY => Freedom::Similarity,
+            other => {
+                return Err(Failure::invalid(format!(
+                    "freedom is {other}; 0 (rigid) and 1 (similarity) are known"
+                )));
+            }
+        };
+        // SAFETY: the caller's promise (see the module).
+        let markers = unsafe { buffers::points(markers, marker_count, "markers")? };
+        // SAFETY: as above.
+        let from = unsafe { buffers::points(landmarks, landmark_count, "landmarks")? };
+        // SAFETY: as above.
+        let to = unsafe { buffers::points(landmark_targets, landmark_count, "landmark_targets")? };
+        let motion = pre_align(&surface.mesh, &markers, Some((&from, &to)), freedom)?;
+        // SAFETY: as above.
+        unsafe { buffers::copy_out(&matrix_of(&motion), out_person_from_template) };
+        Ok(())
+    })
+}
+
+fn matrix_of(motion: &Similarity) -> [f64; 16] {
+    let mut matrix = [0.0; 16];
+    for row in 0..3 {
+        for column in 0..3 {
+            matrix[4 * row + column] = motion.scale * motion.rotation[(row, column)];
+        }
+        matrix[4 * row + 3] = motion.translation[row];
+    }
+    matrix[15] = 1.0;
+    matrix
+}
+
+/// Checks a problem's template, markers and pairs against each other, as the command line does before
+/// it starts: other units, another frame, contradictory landmarks, holes. What cannot work is an
+/// error. What may be a mistake is written into `buffer`, one sentence per line: UTF-8,
+/// zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if `capacity` is 0. `out_length`:
+/// bytes of the whole text without the zero; may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_check(
+    problem: *const MlgReshaping,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
+        let markers: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
+        let data = Data {
+            surface: (&problem.surface, "the template"),
+            markers: &markers,
+            landmarks: &pairs(&problem, &problem.landmarks),
+            attachments: &pairs(&problem, &problem.attachments),
+            fixed: &problem.fixed,
+        };
+        let text = inspect_data(&data, Align::None)?.join("\n");
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
+    })
+}
+
+fn pairs(problem: &Problem, landmarks: &[Landmark]) -> Vec<Pair> {
+    let pair = |l: &Landmark| {
+        let (position, vertex) = match l.template {
+            TemplatePoint::Vertex(v) => (problem.surface.points[v as usize], Some(v)),
+            TemplatePoint::Position(position) => (position, None),
+        };
+        Pair { label: l.label.clone(), position, vertex, target: l.target, weight: l.weight }
+    };
+    landmarks.iter().map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Mat3;
+
+    #[test]
+    fn a_motion_is_its_matrix() {
+        let turn = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+        let motion =
+            Similarity { scale: 2.0, rotation: turn, translation: Vec3::new(5.0, 6.0, 7.0) };
+        let m = matrix_of(&motion);
+        let p = Vec3::new(1.0, 2.0, 3.0);
+        let row = |r: usize| (0..3).map(|c| m[4 * r + c] * p[c]).sum::<f64>() + m[4 * r + 3];
+        assert_eq!(Vec3::new(row(0), row(1), row(2)), motion.apply(&p));
+        assert_eq!(m[12..], [0.0, 0.0, 0.0, 1.0]);
+    }
+}

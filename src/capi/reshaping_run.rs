@@ -1,0 +1,71 @@
+//! Reshaping: started, or run to its end.
+
+use super::boundary::{MlgError, MlgStatus, Outcome, guard};
+use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options_of};
+use super::result::{MlgReshapingResult, ReshapingResult};
+use super::run::{MlgRun, RunObject, in_pool, wait_for};
+use super::{buffers, handles};
+use crate::reshape::{Options, Problem, reshape};
+use crate::run::Run;
+
+fn compute(problem: Problem, options: &Options, run: &Run) -> Outcome<ReshapingResult> {
+    let reshaped = reshape(&problem, options, run)?;
+    Ok(ReshapingResult::new(problem, reshaped, run.progress().seconds))
+}
+
+/// Starts a reshaping on a thread of its own and returns at once. The problem is copied: it may be
+/// changed or freed while the run goes on. `options`: NULL for the defaults. Free the run with
+/// `mlg_run_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_start(
+    problem: *const MlgReshaping,
+    options: *const MlgReshapingOptions,
+    out_run: *mut *mut MlgRun,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_run, "out_run")?;
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
+        problem.check()?;
+        // SAFETY: the caller's promise (see the module).
+        let (options, thread_count) = unsafe { options_of(options)? };
+        let run = RunObject::start("a reshaping", thread_count, move |run| {
+            compute(problem, &options, run)
+        })?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+    })
+}
+
+/// Waits for the end of a reshaping and hands its result over, once. A cancelled run gives its best
+/// shape so far, marked by `stop` in its summary, or `MLG_STATUS_CANCELLED` if it had none yet. Free
+/// the result with `mlg_reshaping_result_free`, and the run with `mlg_run_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_run_wait_reshaping(
+    run: *mut MlgRun,
+    out_result: *mut *mut MlgReshapingResult,
+    error: *mut MlgError,
+) -> MlgStatus {
+    // SAFETY: the caller's promise (see the module).
+    guard(error, || unsafe { wait_for::<ReshapingResult, _>(run, out_result, "out_result") })
+}
+
+/// Reshapes and returns when it is done: `mlg_reshaping_start` and `mlg_run_wait_reshaping` in one.
+/// Free the result with `mlg_reshaping_result_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_run(
+    problem: *const MlgReshaping,
+    options: *const MlgReshapingOptions,
+    out_result: *mut *mut MlgReshapingResult,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_result, "out_result")?;
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
+        // SAFETY: the caller's promise (see the module).
+        let (options, thread_count) = unsafe { options_of(options)? };
+        let result = in_pool(thread_count, || compute(problem, &options, &Run::new()))??;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_result, handles::give(result), "out_result") }
+    })
+}
