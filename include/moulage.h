@@ -183,6 +183,11 @@ typedef struct MlgMarkers MlgMarkers;
 typedef struct MlgPairs MlgPairs;
 
 /**
+ * Lines, each open or closed. Immutable; may be read from many threads.
+ */
+typedef struct MlgPolylines MlgPolylines;
+
+/**
  * A template and the data it is to follow. May be used by one thread at a time.
  */
 typedef struct MlgReshaping MlgReshaping;
@@ -211,6 +216,12 @@ typedef struct MlgTetrahedralization MlgTetrahedralization;
  * A triangle surface. Immutable; may be read from many threads.
  */
 typedef struct MlgTriMesh MlgTriMesh;
+
+/**
+ * A medical image, or a label map. Immutable; may be read from many threads. World coordinates are
+ * millimetres in RAS: x to the person's right, y to the front, z to the head.
+ */
+typedef struct MlgVolume MlgVolume;
 
 /**
  * What went wrong. Owned by the caller; written by a call only when it fails.
@@ -431,6 +442,101 @@ typedef struct {
    */
   double seconds;
 } MlgReshapingSummary;
+
+/**
+ * What an image is.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Voxels along each index.
+   */
+  size_t size[3];
+  /**
+   * World from voxel: the first three rows of a 4x4 matrix, row by row. An integer index is a
+   * voxel's centre.
+   */
+  double world_from_voxel[12];
+  /**
+   * Millimetres between voxels along each index.
+   */
+  double spacing[3];
+  /**
+   * Smallest and largest value.
+   */
+  double range[2];
+  /**
+   * Width and level of the window that suits the image.
+   */
+  double window[2];
+  /**
+   * Lowest and highest corner of the box around the image, world.
+   */
+  double box_low[3];
+  /**
+   * Highest corner.
+   */
+  double box_high[3];
+} MlgVolumeInfo;
+
+/**
+ * A rectangle of pixels in the world. Made by `mlg_volume_plane`, or by the caller.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * World position of the first (top left) pixel's centre.
+   */
+  double corner[3];
+  /**
+   * Step to the next pixel in a row, mm.
+   */
+  double right[3];
+  /**
+   * Step to the next row, mm.
+   */
+  double down[3];
+  /**
+   * Pixels in a row.
+   */
+  size_t width;
+  /**
+   * Rows.
+   */
+  size_t height;
+} MlgSlicePlane;
+
+/**
+ * How markers are put on the outlines of a label. Set with `mlg_clicks_init`.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Millimetres between slices.
+   */
+  double every;
+  /**
+   * Millimetres between markers along an outline.
+   */
+  double spacing;
+  /**
+   * Standard deviation of a hand's error, mm; 0 for none.
+   */
+  double jitter;
+  /**
+   * Another number gives other errors.
+   */
+  uint64_t seed;
+} MlgClicks;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1075,6 +1181,131 @@ MlgStatus mlg_reshaping_result_quality(const MlgReshapingResult *result,
  * Frees a result. NULL and handles freed already are allowed.
  */
 void mlg_reshaping_result_free(MlgReshapingResult *result);
+
+/**
+ * Reads an image: NIfTI (`.nii`, `.nii.gz`), NRRD (`.nrrd`, `.nhdr`), MetaImage (`.mha`, `.mhd`), a
+ * folder of DICOM slices, or the series of one DICOM file. `path`: UTF-8. Free with
+ * `mlg_volume_free`.
+ */
+MlgStatus mlg_volume_load(const char *path, MlgVolume **out_volume, MlgError *error);
+
+/**
+ * Writes what the image is. Set `out_info->struct_size` before.
+ */
+MlgStatus mlg_volume_info(const MlgVolume *volume, MlgVolumeInfo *out_info, MlgError *error);
+
+/**
+ * What was noticed while reading, such as a tilted gantry: one sentence per line, written as by
+ * `mlg_tri_mesh_check`.
+ */
+MlgStatus mlg_volume_notes(const MlgVolume *volume,
+                           char *buffer,
+                           size_t capacity,
+                           size_t *out_length,
+                           MlgError *error);
+
+/**
+ * A plane through an image, as large as the image needs, with square pixels. Set
+ * `out_plane->struct_size` before.
+ *
+ * `axis`: three numbers; 0,0,1 is axial seen from the feet, 0,1,0 coronal seen from the front, 1,0,0
+ * sagittal seen from the left, other directions are looked along. `position`: mm along the axis.
+ * `pixel`: mm; 0: the image's smallest spacing.
+ */
+MlgStatus mlg_volume_plane(const MlgVolume *volume,
+                           const double *axis,
+                           double position,
+                           double pixel,
+                           MlgSlicePlane *out_plane,
+                           MlgError *error);
+
+/**
+ * Draws a slice into the caller's buffer, row by row from the top.
+ *
+ * `channels`: 1 (grey) or 4 (red, green, blue, alpha; transparent outside the image).
+ * `window`: two numbers, width and level: the values between black and white; NULL takes those of
+ * `mlg_volume_info`. `pixels`: `capacity` bytes, at least `width * height * channels`.
+ */
+MlgStatus mlg_volume_slice(const MlgVolume *volume,
+                           const MlgSlicePlane *plane,
+                           const double *window,
+                           uint32_t channels,
+                           uint8_t *pixels,
+                           size_t capacity,
+                           MlgError *error);
+
+/**
+ * Frees an image. NULL and handles freed already are allowed.
+ */
+void mlg_volume_free(MlgVolume *volume);
+
+/**
+ * The lines along which a plane cuts a surface. Free with `mlg_polylines_free`.
+ *
+ * `points`: `3 * point_count` coordinates in place of the mesh's own, or NULL; `point_count` must be
+ * that of the mesh (ignored for NULL). `plane_point`, `plane_normal`: three numbers each.
+ */
+MlgStatus mlg_tri_mesh_section(const MlgTriMesh *mesh,
+                               const double *points,
+                               size_t point_count,
+                               const double *plane_point,
+                               const double *plane_normal,
+                               MlgPolylines **out_lines,
+                               MlgError *error);
+
+/**
+ * The outlines of one label of a label map on a plane, smooth over the voxels' stairs. Free with
+ * `mlg_polylines_free`.
+ */
+MlgStatus mlg_volume_outlines(const MlgVolume *labels,
+                              uint32_t label,
+                              const MlgSlicePlane *plane,
+                              MlgPolylines **out_lines,
+                              MlgError *error);
+
+/**
+ * The points of all lines, one line after the other: `3 * *out_count` coordinates, borrowed until
+ * the lines are freed. NULL without points or for a handle that is not valid. `out_count`: may be
+ * NULL.
+ */
+const double *mlg_polylines_points(const MlgPolylines *lines, size_t *out_count);
+
+/**
+ * Where each line begins among the points, and at the end their number: `*out_count` is one more
+ * than the number of lines. Borrowed until the lines are freed.
+ */
+const size_t *mlg_polylines_starts(const MlgPolylines *lines, size_t *out_count);
+
+/**
+ * For each line 1 if its last point is joined to its first, else 0. Borrowed until the lines are
+ * freed; NULL without lines.
+ */
+const uint8_t *mlg_polylines_closed(const MlgPolylines *lines, size_t *out_count);
+
+/**
+ * Frees lines. NULL and handles freed already are allowed.
+ */
+void mlg_polylines_free(MlgPolylines *lines);
+
+/**
+ * Writes the defaults. `struct_size`: `sizeof *out_clicks`.
+ */
+MlgStatus mlg_clicks_init(MlgClicks *out_clicks, size_t struct_size);
+
+/**
+ * Markers on the outlines of one label, as a person would click them on slices. Free with
+ * `mlg_markers_free`.
+ *
+ * `axes`: `3 * axis_count` numbers, one view each as in `mlg_volume_plane`. `clicks`: NULL for the
+ * defaults.
+ */
+MlgStatus mlg_volume_label_markers(const MlgVolume *labels,
+                                   uint32_t label,
+                                   const double *axes,
+                                   size_t axis_count,
+                                   const MlgClicks *clicks,
+                                   MlgMarkers **out_markers,
+                                   MlgError *error);
 
 #ifdef __cplusplus
 }  // extern "C"

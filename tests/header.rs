@@ -24,6 +24,7 @@ fn the_header_is_up_to_date() {
         "placing",
         "reshaping_run",
         "result",
+        "volume",
     ] {
         builder = builder.with_src(root.join(format!("src/capi/{file}.rs")));
     }

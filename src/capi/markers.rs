@@ -12,7 +12,7 @@ use crate::math::Vec3;
 /// Points that somebody marked. Immutable; may be read from many threads.
 pub struct MlgMarkers;
 
-struct Markers {
+pub(super) struct Markers {
     points: Vec<Vec3>,
     weights: Vec<f64>,
     labels: Vec<Option<CString>>,
@@ -21,7 +21,7 @@ struct Markers {
 }
 
 impl Markers {
-    fn new(markers: Vec<io::Marker>) -> Self {
+    pub fn new(markers: Vec<io::Marker>) -> Self {
         let label = |m: &io::Marker| m.label.as_deref().and_then(|l| CString::new(l).ok());
         Self {
             points: markers.iter().map(|m| m.position).collect(),

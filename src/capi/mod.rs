@@ -21,6 +21,7 @@ mod result;
 mod run;
 mod tetrahedralization;
 mod version;
+mod volume;
 
 pub use boundary::*;
 pub use distances::*;
@@ -34,3 +35,4 @@ pub use result::*;
 pub use run::*;
 pub use tetrahedralization::*;
 pub use version::*;
+pub use volume::*;

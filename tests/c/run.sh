@@ -21,6 +21,8 @@ for name in mistakes inputs runs; do
     "$out/$name" "$out"
     gcc -std=c99 "${warnings[@]}" -g tests/c/$name.c -o "$out/$name.plain" "${link[@]}"
 done
+gcc -std=c99 "${warnings[@]}" "${sanitize[@]}" tests/c/images.c -o "$out/images" "${link[@]}"
+"$out/images" "$out/ball.mha"
 g++ -std=c++17 "${warnings[@]}" "${sanitize[@]}" tests/c/raii.cpp -o "$out/raii" "${link[@]}"
 "$out/raii"
 g++ -std=c++17 "${warnings[@]}" examples/cpp/reshape.cpp -o "$out/reshape_cpp" "${link[@]}"

@@ -1,0 +1,142 @@
+/* Images: one written here, read back, cut, outlined and marked; and what a caller can do wrong. */
+#include "shapes.h"
+
+enum { SIDE = 24 };
+static MlgError error;
+
+static void expect(MlgStatus got, MlgStatus wanted, const char *words) {
+    if (got != wanted || error.status != wanted || strstr(error.message, words) == NULL) {
+        fprintf(stderr, "got %s (%s), wanted %s with '%s'\n", mlg_status_name((uint32_t)got),
+                error.message, mlg_status_name((uint32_t)wanted), words);
+        exit(1);
+    }
+}
+
+/* A ball of radius 16 mm around (-2, -4, 6) RAS with value 3, in voxels of 2 mm. MetaImage is LPS. */
+static void write_ball(const char *path) {
+    FILE *file = fopen(path, "wb");
+    int i, j, k;
+    CHECK(file != NULL);
+    fprintf(file, "ObjectType = Image\nNDims = 3\nBinaryData = True\nElementSpacing = 2 2 2\n"
+                  "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = -21 -19 -17\nDimSize = 24 24 24\n"
+                  "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n");
+    for (k = 0; k < SIDE; k++)
+        for (j = 0; j < SIDE; j++)
+            for (i = 0; i < SIDE; i++) {
+                const double x = 2 * i - 23, y = 2 * j - 23, z = 2 * k - 23;
+                CHECK(fputc(x * x + y * y + z * z < 256 ? 3 : 0, file) != EOF);
+            }
+    CHECK(fclose(file) == 0);
+}
+
+static double off_ball(const double *p) {
+    const double x = p[0] + 2, y = p[1] + 4, z = p[2] - 6;
+    return fabs(sqrt(x * x + y * y + z * z) - 16);
+}
+
+static void slices(const MlgVolume *volume) {
+    const double axial[] = {0, 0, 1}, none[] = {0, 0, 0};
+    const double window[] = {2, 2}, bad_window[] = {-2, 2};
+    MlgVolumeInfo info;
+    MlgSlicePlane plane;
+    unsigned char pixels[4 * SIDE * SIDE];
+    size_t row, column, bright = 0;
+
+    info.struct_size = sizeof info;
+    CHECK(mlg_volume_info(volume, &info, NULL) == MLG_STATUS_OK);
+    CHECK(info.size[2] == SIDE && info.spacing[1] == 2 && info.range[1] == 3);
+    CHECK(info.world_from_voxel[0] == -2 && info.world_from_voxel[3] == 21);
+    CHECK(info.box_low[0] == -26 && info.box_high[2] == 30);
+
+    plane.struct_size = sizeof plane;
+    CHECK(mlg_volume_plane(volume, axial, 6, 0, &plane, NULL) == MLG_STATUS_OK);
+    CHECK(plane.width == SIDE && plane.height == SIDE && plane.right[0] == -2 && plane.down[1] == -2);
+    CHECK(mlg_volume_slice(volume, &plane, window, 1, pixels, sizeof pixels, NULL) == MLG_STATUS_OK);
+    for (row = 0; row < SIDE; row++)
+        for (column = 0; column < SIDE; column++) bright += pixels[row * SIDE + column] > 127;
+    CHECK(bright > 180 && bright < 220); /* a disc of radius 8 pixels has 201 */
+    CHECK(mlg_volume_slice(volume, &plane, NULL, 4, pixels, sizeof pixels, NULL) == MLG_STATUS_OK);
+    CHECK(pixels[3] == 255);
+
+    expect(mlg_volume_slice(volume, &plane, window, 1, pixels, 10, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "the buffer 10");
+    expect(mlg_volume_slice(volume, &plane, window, 3, pixels, 10, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "1 or 4");
+    expect(mlg_volume_slice(volume, &plane, bad_window, 1, pixels, sizeof pixels, &error),
+           MLG_STATUS_INVALID_ARGUMENT, "the width");
+    expect(mlg_volume_slice(volume, NULL, window, 1, pixels, sizeof pixels, &error),
+           MLG_STATUS_NULL_ARGUMENT, "plane");
+    expect(mlg_volume_plane(volume, none, 6, 0, &plane, &error), MLG_STATUS_INVALID_ARGUMENT, "0,0,0");
+    expect(mlg_volume_plane(volume, axial, 600, 0, &plane, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "misses the image");
+    plane.width = (size_t)-1;
+    expect(mlg_volume_slice(volume, &plane, window, 1, pixels, sizeof pixels, &error),
+           MLG_STATUS_INVALID_ARGUMENT, "too many");
+    plane.width = SIDE;
+    plane.down[1] = 0;
+    expect(mlg_volume_slice(volume, &plane, window, 1, pixels, sizeof pixels, &error),
+           MLG_STATUS_INVALID_ARGUMENT, "span a plane");
+}
+
+static void lines_and_markers(const MlgVolume *volume) {
+    const double axes[] = {0, 0, 1, 0, 1, 0}, point[] = {0, 0, 6}, up[] = {0, 0, 2};
+    const double corners[] = {-5, -5, 0, 5, -5, 0, 0, 5, 0, 0, 0, 10};
+    const uint32_t faces[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    MlgTriMesh *mesh = NULL;
+    MlgPolylines *lines = NULL;
+    MlgMarkers *markers = NULL;
+    MlgSlicePlane plane;
+    MlgClicks clicks;
+    size_t i, count = 0, starts = 0;
+    const double *points;
+
+    plane.struct_size = sizeof plane;
+    CHECK(mlg_volume_plane(volume, up, 6, 0, &plane, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_volume_outlines(volume, 3, &plane, &lines, NULL) == MLG_STATUS_OK);
+    points = mlg_polylines_points(lines, &count);
+    CHECK(mlg_polylines_starts(lines, &starts)[1] == count && starts == 2);
+    CHECK(mlg_polylines_closed(lines, NULL)[0] == 1);
+    for (i = 0; i < count; i++) CHECK(off_ball(points + 3 * i) < 1);
+    mlg_polylines_free(lines);
+    CHECK(mlg_polylines_points(lines, NULL) == NULL);
+
+    CHECK(mlg_clicks_init(&clicks, sizeof clicks) == MLG_STATUS_OK);
+    clicks.spacing = 4;
+    CHECK(mlg_volume_label_markers(volume, 3, axes, 2, &clicks, &markers, NULL) == MLG_STATUS_OK);
+    points = mlg_markers_points(markers, &count);
+    CHECK(count > 60);
+    for (i = 0; i < count; i++) CHECK(off_ball(points + 3 * i) < 1);
+    mlg_markers_free(markers);
+    expect(mlg_volume_label_markers(volume, 4, axes, 2, NULL, &markers, &error),
+           MLG_STATUS_INVALID_ARGUMENT, "no voxel of label 4; it has 3");
+
+    CHECK(mlg_tri_mesh_new(corners, 4, faces, 4, &mesh, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_tri_mesh_section(mesh, NULL, 0, point, up, &lines, NULL) == MLG_STATUS_OK);
+    points = mlg_polylines_points(lines, &count);
+    CHECK(count == 3 && mlg_polylines_closed(lines, NULL)[0] == 1 && fabs(points[2] - 6) < 1e-12);
+    mlg_polylines_free(lines);
+    expect(mlg_tri_mesh_section(mesh, corners, 3, point, up, &lines, &error),
+           MLG_STATUS_INVALID_ARGUMENT, "3 given, but the mesh has 4");
+    expect(mlg_tri_mesh_section(mesh, NULL, 0, NULL, up, &lines, &error), MLG_STATUS_NULL_ARGUMENT,
+           "plane_point");
+    mlg_tri_mesh_free(mesh);
+}
+
+int main(int argument_count, char **arguments) {
+    MlgVolume *volume = NULL;
+    const char *path = argument_count > 1 ? arguments[1] : "ball.mha";
+    size_t length = 7;
+
+    write_ball(path);
+    CHECK(mlg_volume_load(path, &volume, &error) == MLG_STATUS_OK);
+    CHECK(mlg_volume_notes(volume, NULL, 0, &length, NULL) == MLG_STATUS_OK && length == 0);
+    slices(volume);
+    lines_and_markers(volume);
+    mlg_volume_free(volume);
+    mlg_volume_free(volume);
+    expect(mlg_volume_notes(volume, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT, "freed");
+    expect(mlg_volume_load("a.png", &volume, &error), MLG_STATUS_UNSUPPORTED, "is no volume");
+    expect(mlg_volume_load("no.nii", &volume, &error), MLG_STATUS_IO, "no.nii");
+    CHECK(remove(path) == 0);
+    return 0;
+}
