@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(core c)
+parts=(core c python)
 
 install_debian() {
     local missing=()
@@ -31,6 +31,17 @@ run_c() {
     prefix=$(mktemp -d)
     bash tests/c/install.sh "$prefix"
     rm -rf "$prefix"
+}
+
+# The Python package: its wheel in a fresh environment.
+run_python() {
+    install_debian python3 python3-venv gcc binutils
+    cargo build --release --lib
+    rm -rf target/python
+    python3 python/build_wheel.py target/python
+    python3 -m venv target/python/venv
+    target/python/venv/bin/pip install -q target/python/*.whl
+    target/python/venv/bin/python tests/python/test_package.py
 }
 
 # Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.

@@ -1,0 +1,28 @@
+"""moulage puts a template of an organ or bone into one person's shape: numpy in, numpy out.
+
+    tets = moulage.Tetrahedralization(moulage.TriMesh.load("liver.obj"))
+    problem = moulage.Reshaping(tets)
+    problem.set_markers(moulage.Markers.load("clicks.csv").points)
+    result = problem.run(tolerance=0.3)
+    result.points
+"""
+
+from .native import CANCELLED, Error, LibraryError, library
+from .reshaping import Reshaping, ReshapingResult, default_options
+from .shapes import Markers, Pairs, TetMesh, TriMesh
+from .tets import Progress, Run, Tetrahedralization
+
+__all__ = [
+    "CANCELLED", "Error", "LibraryError", "Markers", "Pairs", "Progress", "Reshaping", "ReshapingResult", "Run",
+    "TetMesh", "Tetrahedralization", "TriMesh", "check_library", "default_options", "version",
+]
+
+
+def check_library():
+    """Loads the native library; LibraryError says what is wrong with it."""
+    library()
+
+
+def version():
+    """The version of the native library."""
+    return library().mlg_version_string().decode()

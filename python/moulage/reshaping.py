@@ -1,0 +1,153 @@
+"""Reshaping: the problem, a run of it, the result."""
+
+import time
+
+import numpy
+
+from . import native
+from .native import address, array
+from .shapes import Handle, checked_weights
+from .tets import Run, quality
+
+
+def default_options():
+    """The options of a reshaping and their defaults; 0 stands for a default relative to the template's
+    size."""
+    return native.options("reshaping", native.MlgReshapingOptions(), {}).fields()
+
+
+class Reshaping(Handle):
+    """A template carried by tets, and the data it is to follow. All coordinates in the template's
+    unit and frame; weights are 1 where none are given."""
+
+    kind = "reshaping"
+
+    def __init__(self, tets):
+        super().__init__(native.make("reshaping_new", tets._handle))
+
+    def set_markers(self, points, weights=None):
+        """Points of the person's surface, without correspondence."""
+        points = array(points, 3, numpy.float64, "points")
+        weights = checked_weights(weights, len(points))
+        native.call(
+            "reshaping_set_markers", self._handle, address(points), address(weights), len(points)
+        )
+
+    def set_landmarks(self, template_points, targets, weights=None):
+        """Points on or in the template, and where they are on the person."""
+        self._pairs("reshaping_set_landmarks", template_points, targets, weights)
+
+    def set_landmarks_at_vertices(self, vertices, targets, weights=None):
+        """The same, the template points being vertices of the surface."""
+        self._vertex_pairs("reshaping_set_landmarks_at_vertices", vertices, targets, weights)
+
+    def set_attachments(self, template_points, targets, weights=None):
+        """Template points that are held at their targets mechanically."""
+        self._pairs("reshaping_set_attachments", template_points, targets, weights)
+
+    def set_attachments_at_vertices(self, vertices, targets, weights=None):
+        """The same, the template points being vertices of the surface."""
+        self._vertex_pairs("reshaping_set_attachments_at_vertices", vertices, targets, weights)
+
+    def set_fixed(self, vertices):
+        """Vertices of the surface that stay where they are."""
+        vertices = array(vertices, 1, numpy.uint32, "vertices")
+        native.call("reshaping_set_fixed", self._handle, address(vertices), len(vertices))
+
+    def check(self):
+        """What may be a mistake, one sentence each, such as two units or contradictory landmarks; raises
+        Error for what cannot work."""
+        return native.text("reshaping_check", self._handle).splitlines()
+
+    def start(self, **options):
+        """Starts on a thread of the library and returns the Run. Options as in the header's
+        MlgReshapingOptions: tolerance, landmark_tolerance, smoothness, max_iterations, ..."""
+        options = native.options("reshaping", native.MlgReshapingOptions(), options)
+        run = native.make("reshaping_start", self._handle, options)
+        return Run(run, "run_wait_reshaping", ReshapingResult)
+
+    def run(self, progress=None, **options):
+        """Reshapes and returns the result. `progress(Progress)` is called five times a second; when
+        it returns False the run stops and the best shape so far is the result."""
+        run = self.start(**options)
+        while True:
+            now = run.poll()
+            if progress is not None and progress(now) is False:
+                run.cancel()
+            if now.ended:
+                return run.wait()
+            time.sleep(0.2 if now.seconds > 1 else 0.01)
+
+    def _pairs(self, function, template_points, targets, weights):
+        template = array(template_points, 3, numpy.float64, "template_points")
+        self._set_pairs(function, template, targets, weights)
+
+    def _vertex_pairs(self, function, vertices, targets, weights):
+        self._set_pairs(function, array(vertices, 1, numpy.uint32, "vertices"), targets, weights)
+
+    def _set_pairs(self, function, template, targets, weights):
+        targets = array(targets, 3, numpy.float64, "targets")
+        if len(template) != len(targets):
+            raise ValueError(f"{len(template)} template points but {len(targets)} targets")
+        weights = checked_weights(weights, len(targets))
+        native.call(
+            function, self._handle, address(template), address(targets), address(weights), len(targets)
+        )
+
+
+class ReshapingResult(Handle):
+    """A reshaped template."""
+
+    kind = "reshaping_result"
+
+    @property
+    def points(self):
+        """The surface's points in the template's order (n, 3)."""
+        return native.borrowed("reshaping_result_points", self._handle, 3, numpy.float64)
+
+    @property
+    def tet_points(self):
+        return native.borrowed("reshaping_result_tet_points", self._handle, 3, numpy.float64)
+
+    @property
+    def plastic_strains(self):
+        """Fp of each tet (m, 3, 3), symmetric."""
+        flat = native.borrowed("reshaping_result_plastic_strains", self._handle, 9, numpy.float64)
+        return flat.reshape(-1, 3, 3)
+
+    @property
+    def marker_distances(self):
+        """The distance of each marker to the result."""
+        return native.borrowed("reshaping_result_marker_distances", self._handle, 1, numpy.float64)
+
+    @property
+    def max_stretches(self):
+        """The largest principal stretch at each vertex of the surface; 1: not stretched."""
+        return native.borrowed("reshaping_result_max_stretches", self._handle, 1, numpy.float64)
+
+    @property
+    def min_stretches(self):
+        """The smallest principal stretch at each vertex of the surface."""
+        return native.borrowed("reshaping_result_min_stretches", self._handle, 1, numpy.float64)
+
+    def carry(self, points):
+        """Moves other points (at rest) with the template."""
+        points = array(points, 3, numpy.float64, "points").copy()
+        native.call(
+            "reshaping_result_carry", self._handle, address(points), len(points), address(points)
+        )
+        return points
+
+    @property
+    def summary(self):
+        """A dict: stop, iterations, inverted_tets, mean_marker_distance, ..., seconds."""
+        found = native.fill(
+            "reshaping_result_summary", self._handle, native.MlgReshapingSummary()
+        )
+        found["stop"] = native.STOPS[found["stop"]]
+        return found
+
+    @property
+    def quality(self):
+        return quality(self._handle, "reshaping_result_quality")
+

@@ -1,0 +1,171 @@
+"""The Python package, installed from its wheel: agreement with the header, and a run from arrays to
+arrays.
+
+    python tests/python/test_package.py
+"""
+
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy
+
+import moulage
+from moulage import native
+
+ROOT = Path(__file__).resolve().parents[2]
+LIVER = ROOT / "examples" / "liver"
+
+
+def header():
+    text = (ROOT / "include" / "moulage.h").read_text()
+    return re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
+
+
+class Header(unittest.TestCase):
+    """native.py declares by hand what include/moulage.h says."""
+
+    def test_functions_have_as_many_arguments(self):
+        declared = {
+            name: 0 if arguments.strip() == "void" else arguments.count(",") + 1
+            for name, arguments in re.findall(r"\bmlg_(\w+)\(([^;]*?)\);", header(), re.S)
+        }
+        for name, arguments in native._CALLS.items():
+            self.assertEqual(len(arguments), declared[name], name)
+        for name, (_result, *arguments) in native._GETTERS.items():
+            self.assertEqual(len(arguments), declared[name], name)
+
+    def test_structs_have_the_same_fields(self):
+        kinds = {"uint32_t": "c_uint", "double": "c_double", "size_t": "c_ulong", "const char *": "c_char_p"}
+        checked = set()
+        for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", header(), re.S):
+            own = getattr(native, name, None)
+            if own is None or name == "MlgError":
+                continue
+            fields = re.findall(r"(uint32_t|double|size_t|const char \*|char)\s*(\w+)(?:\[(\w+)\])?;", body)
+            checked.add(name)
+            self.assertEqual([f[1] for f in fields], [f[0] for f in own._fields_], name)
+            for (kind, _field, length), (_own_field, own_kind) in zip(fields, own._fields_):
+                if not length:
+                    self.assertEqual(kinds[kind], own_kind.__name__, f"{name}.{_field}")
+
+        self.assertEqual(checked, {s.__name__ for s in native.Versioned.__subclasses__()})
+
+    def test_constants_agree(self):
+        found = {name: int(value) for name, value in re.findall(r"#define (MLG_\w+) (\d+)\b", header())}
+        self.assertEqual(native.ABI_VERSION, found["MLG_ABI_VERSION"])
+        self.assertEqual(native.TETS, {n: found[f"MLG_TETS_{n.upper()}"] for n in native.TETS})
+        self.assertEqual(native.ALIGN, {n: found[f"MLG_ALIGN_{n.upper()}"] for n in native.ALIGN})
+        self.assertEqual(native.RUN_ENDED, found["MLG_RUN_ENDED"])
+        stops = dict(re.findall(r"MLG_STOP_(\w+) = (\d+)", header()))
+        self.assertEqual([s.upper() for s in native.STOPS], sorted(stops, key=lambda s: int(stops[s])))
+
+
+def cube():
+    points = numpy.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return points, numpy.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+
+
+class Arrays(unittest.TestCase):
+    def setUp(self):
+        self.points, self.triangles = cube()
+        self.surface = moulage.TriMesh(self.points, self.triangles)
+        self.tets = moulage.Tetrahedralization(self.surface, "lattice", 300)
+
+    def test_surfaces_and_tets_give_back_their_arrays(self):
+        numpy.testing.assert_array_equal(self.surface.points, self.points)
+        numpy.testing.assert_array_equal(self.surface.triangles, self.triangles)
+        self.assertEqual(self.surface.check(), [])
+        self.assertEqual((self.tets.method, self.tets.tets.shape[1]), ("lattice", 4))
+        self.assertEqual(self.tets.quality["tet_count"], len(self.tets.tets))
+
+    def test_a_cube_becomes_longer(self):
+        wish = self.points * (1.5, 1, 1)
+        problem = moulage.Reshaping(self.tets)
+        problem.set_landmarks_at_vertices(range(8), wish)
+        seen = []
+        result = problem.run(progress=seen.append, landmark_tolerance=0.01)
+        numpy.testing.assert_allclose(result.points, wish, atol=0.05)
+        self.assertTrue(seen[-1].ended and result.summary["inverted_tets"] == 0)
+        self.assertTrue(math.isnan(result.summary["mean_marker_distance"]))
+        self.assertTrue((result.max_stretches > 1.3).all() and (result.min_stretches < 1.2).all())
+        carried = result.carry([[0.5, 0.5, 0.5]])
+        numpy.testing.assert_allclose(carried, [[0.75, 0.5, 0.5]], atol=0.05)
+
+    def test_a_run_can_be_stopped_and_keeps_its_best(self):
+        surface = moulage.TriMesh.load(LIVER / "template.obj")
+        problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))
+        problem.set_markers(moulage.Markers.load(LIVER / "markers.csv").points)
+        run = problem.start(tolerance=1e-6)
+        while run.poll().iteration < 1:
+            time.sleep(0.01)
+        run.cancel()
+        self.assertEqual(run.wait().summary["stop"], "cancelled")
+
+    def test_wrong_shapes_and_names_are_refused_before_the_library(self):
+        with self.assertRaisesRegex(ValueError, "points: shape"):
+            moulage.TriMesh([[1, 2]], self.triangles)
+        with self.assertRaisesRegex(ValueError, "indices are 0 or more"):
+            moulage.TriMesh(self.points, [[0, 1, -1]])
+        problem = moulage.Reshaping(self.tets)
+        with self.assertRaisesRegex(ValueError, "2 weights for 1 points"):
+            problem.set_markers([[0, 0, 0]], [1, 1])
+        with self.assertRaisesRegex(TypeError, "'tolerence' is no option"):
+            problem.start(tolerence=1)
+
+    def test_what_the_library_refuses_comes_as_its_sentence(self):
+        with self.assertRaisesRegex(moulage.Error, "no-such.obj"):
+            moulage.TriMesh.load("no-such.obj")
+        with self.assertRaisesRegex(moulage.Error, "do not determine a shape"):
+            moulage.Reshaping(self.tets).run()
+
+    def test_labels_and_weights_go_through_a_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "ä.mrk.json"
+            moulage.Markers(self.points[:2], labels=["left", "Öhr"]).save(path)
+            back = moulage.Markers.load(path)
+        self.assertEqual(back.labels, ["left", "Öhr"])
+        numpy.testing.assert_allclose(back.points, self.points[:2])
+
+
+class LibraryFile(unittest.TestCase):
+    def sentence_with(self, path):
+        code = "import moulage\ntry:\n    moulage.check_library()\nexcept moulage.LibraryError as e:\n    print(e)"
+        environment = {**os.environ, "MOULAGE_LIBRARY": str(path)}
+        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+        return done.stdout
+
+    def test_a_missing_or_foreign_library_is_said_in_a_sentence(self):
+        self.assertIn("there is no /no/such/lib.so", self.sentence_with("/no/such/lib.so"))
+        self.assertIn("cannot be loaded", self.sentence_with(__file__))
+        with tempfile.TemporaryDirectory() as folder:
+            source, library = Path(folder) / "other.c", Path(folder) / "other.so"
+            for text, words in (
+                ("int other;", "is not the moulage library"),
+                ("unsigned mlg_abi_version(void) { return 999; }", "of another version (interface 999"),
+                (f"unsigned mlg_abi_version(void) {{ return {native.ABI_VERSION}; }}", "is older than this package"),
+            ):
+                source.write_text(text)
+                subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
+                self.assertIn(words, self.sentence_with(library))
+
+
+class Versions(unittest.TestCase):
+    def test_all_places_name_the_same_version(self):
+        version = re.search(r'^version = "(.+)"', (ROOT / "Cargo.toml").read_text(), re.M).group(1)
+        manifest = (ROOT / "blender_addon" / "blender_manifest.toml").read_text()
+        self.assertEqual(re.search(r'^version = "(.+)"', manifest, re.M).group(1), version)
+        info = (ROOT / "blender_addon" / "__init__.py").read_text()
+        self.assertIn(f'"version": ({", ".join(version.split("."))})', info)
+        self.assertEqual(moulage.version(), version)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
