@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(core c python)
+parts=(core c python blender)
 
 install_debian() {
     local missing=()
@@ -42,6 +42,16 @@ run_python() {
     python3 -m venv target/python/venv
     target/python/venv/bin/pip install -q target/python/*.whl
     target/python/venv/bin/python tests/python/test_package.py
+}
+
+# The add-on in bpy 4.2, 4.5 and 5.0 and in Debian's Blender, there also in a window.
+run_blender() {
+    install_debian python3 python3-venv gcc binutils tetgen blender python3-numpy xvfb xauth imagemagick \
+        libgl1-mesa-dri libegl1 libgl1 libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6
+    rm -rf dist
+    blender_addon/build.sh
+    cargo build --release
+    tests/blender/run.sh dist
 }
 
 # Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.

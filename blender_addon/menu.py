@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A menu in the 3D view's Object menu, so that the search (F3) finds every step; File > Import and Export."""
+
+import bpy
+
+
+class MOULAGE_MT_object(bpy.types.Menu):
+    bl_label = "Moulage"
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.operator("moulage.set_template")
+        layout.operator("moulage.check_template", text="Check Template")
+        layout.operator("moulage.fix_template", text="Fix Template")
+        layout.operator("moulage.use_millimetres", text="Coordinates Are Millimetres")
+        layout.separator()
+        layout.operator("moulage.pick_landmarks", text="Click Landmark Pairs")
+        layout.operator("moulage.place_template")
+        layout.operator("moulage.add_attachment")
+        layout.operator("moulage.add_carried")
+        layout.separator()
+        layout.operator("moulage.tetrahedralize")
+        layout.operator("moulage.reshape")
+        layout.operator("moulage.stop", text="Stop Reshaping")
+        layout.separator()
+        layout.operator_menu_enum("moulage.show_heat_map", "kind")
+        layout.operator("moulage.copy_result", text="Copy Result as New Object")
+
+
+def _in_object_menu(self, _context):
+    self.layout.separator()
+    self.layout.menu("MOULAGE_MT_object")
+
+
+def _in_import_menu(self, _context):
+    self.layout.operator("moulage.import_markers", text="Moulage Markers")
+    self.layout.operator("moulage.import_landmarks", text="Moulage Landmarks")
+
+
+def _in_export_menu(self, _context):
+    self.layout.operator("moulage.export_markers", text="Moulage Markers")
+    self.layout.operator("moulage.export_landmarks", text="Moulage Landmarks")
+
+
+_PLACES = (
+    ("VIEW3D_MT_object", _in_object_menu), ("TOPBAR_MT_file_import", _in_import_menu),
+    ("TOPBAR_MT_file_export", _in_export_menu),
+)
+
+classes = (MOULAGE_MT_object,)
+
+
+def register():
+    for menu, draw in _PLACES:
+        getattr(bpy.types, menu).append(draw)
+
+
+def unregister():
+    for menu, draw in _PLACES:
+        getattr(bpy.types, menu).remove(draw)

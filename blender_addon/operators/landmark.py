@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Landmarks: add, remove, mirror names, place the template by them."""
+
+import bpy
+import mathutils
+import numpy
+
+from .. import landmarks, markers, problem, properties, units
+from ..library import Wrong, calls
+from .template import fail, poll_template
+
+
+class MOULAGE_OT_add_landmark(bpy.types.Operator):
+    """Add a landmark from two world positions; for scripts (in the 3D view, use Click Pairs)"""
+
+    bl_idname = "moulage.add_landmark"
+    bl_label = "Add Landmark"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    name: bpy.props.StringProperty(name="Name")
+    template_point: bpy.props.FloatVectorProperty(name="On the template", subtype="XYZ")
+    target: bpy.props.FloatVectorProperty(name="On the person", subtype="XYZ")
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context)
+
+    def execute(self, context):
+        landmarks.add(context, properties.template_of(context), self.name, self.template_point, self.target)
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_remove_landmark(bpy.types.Operator):
+    """Remove the landmark and its two empties"""
+
+    bl_idname = "moulage.remove_landmark"
+    bl_label = "Remove Landmark"
+    bl_options = {"REGISTER", "UNDO"}
+
+    all: bpy.props.BoolProperty(name="All", description="Remove all landmarks")
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context) and len(properties.template_of(context).moulage.landmarks) > 0
+
+    def execute(self, context):
+        template = properties.template_of(context)
+        data = template.moulage
+        for index in reversed(range(len(data.landmarks))) if self.all else [data.active_landmark]:
+            if index < len(data.landmarks):
+                landmarks.remove(template, index)
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_place_template(bpy.types.Operator):
+    """Turn and move the template to where the person is: by three or more landmarks, else by the markers"""
+
+    bl_idname = "moulage.place_template"
+    bl_label = "Place Template"
+    bl_options = {"REGISTER", "UNDO"}
+
+    scale: bpy.props.BoolProperty(name="Change the size", description="Scale the template as well")
+
+    @classmethod
+    def poll(cls, context):
+        if not poll_template(cls, context):
+            return False
+        template = properties.template_of(context)
+        data = template.moulage
+        if data.markers is None and data.marker_empties is None and len(landmarks.used(template)) < 3:
+            cls.poll_message_set("Add markers, or click three landmark pairs, first")
+            return False
+        return True
+
+    def execute(self, context):
+        template = properties.template_of(context)
+        try:
+            inputs = problem.gather_shape(context, template)
+            points, targets, _weights = landmarks.pairs(template)
+            freedom = "similarity" if self.scale else "rigid"
+            with calls() as library:
+                surface = library.TriMesh(inputs.points, inputs.triangles)
+                motion = surface.align(markers.points(template), points, targets, freedom)
+        except Wrong as error:
+            return fail(self, error)
+        template.matrix_world = mathutils.Matrix(motion.tolist()) @ template.matrix_world
+        context.view_layer.update()
+        gaps = numpy.linalg.norm(landmarks.pairs(template)[0] - targets, axis=1)
+        off = f" The landmarks are {units.text(context.scene, gaps.mean())} off in the mean." if len(gaps) else ""
+        self.report({"INFO"}, f"The template was placed.{off}")
+        return {"FINISHED"}
+
+
+classes = (MOULAGE_OT_add_landmark, MOULAGE_OT_remove_landmark, MOULAGE_OT_place_template)

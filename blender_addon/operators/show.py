@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The result: heat maps, keep as a new object."""
+
+import bpy
+import numpy
+
+from .. import heat_map, mesh_data, properties
+from .template import fail, poll_template
+
+
+def _has_result(cls, context):
+    template = properties.template_of(context)
+    if template is None or not template.moulage.result.key:
+        cls.poll_message_set("There is no result yet: reshape first")
+        return False
+    return True
+
+
+class MOULAGE_OT_show_heat_map(bpy.types.Operator):
+    """Colour the template by how far its markers are off, or by how much it was stretched"""
+
+    bl_idname = "moulage.show_heat_map"
+    bl_label = "Show Heat Map"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.EnumProperty(
+        name="Heat map",
+        items=[("NONE", "None", ""), ("DISTANCE", "Distance", ""), ("STRETCH", "Stretch", "")],
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context) and _has_result(cls, context)
+
+    def execute(self, context):
+        heat_map.show(context, properties.template_of(context), self.kind)
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_copy_result(bpy.types.Operator):
+    """Make a new object in the person's shape, without shape keys; textures, groups and materials are kept"""
+
+    bl_idname = "moulage.copy_result"
+    bl_label = "Copy as New Object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context) and _has_result(cls, context)
+
+    def execute(self, context):
+        template = properties.template_of(context)
+        keys = template.data.shape_keys
+        key = keys.key_blocks.get(template.moulage.result.key) if keys else None
+        if key is None:
+            return fail(self, "The result's shape key was removed: reshape again.")
+        points = mesh_data.key_points(key)
+        copy = template.copy()
+        copy.data = template.data.copy()
+        copy.name = f"{template.name} reshaped"
+        copy.property_unset("moulage")
+        copy.shape_key_clear()
+        copy.data.vertices.foreach_set("co", numpy.ascontiguousarray(points).ravel())
+        copy.data.update()
+        (template.users_collection or (context.scene.collection,))[0].objects.link(copy)
+        return {"FINISHED"}
+
+
+classes = (MOULAGE_OT_show_heat_map, MOULAGE_OT_copy_result)

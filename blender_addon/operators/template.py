@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The template: choose, check, put right, fill with tets."""
+
+import bmesh
+import bpy
+
+from .. import problem, properties, solve, units
+from ..library import Wrong, calls, sentence
+
+
+def poll_template(cls, context):
+    """For `poll`: there is a template, in Object Mode, and no run is going on."""
+    template = properties.template_of(context)
+    if template is None:
+        cls.poll_message_set("Pick a template first")
+        return False
+    if solve.is_running():
+        cls.poll_message_set("A run is going on: stop it or wait for its end")
+        return False
+    if template.mode != "OBJECT":
+        cls.poll_message_set("Go back to Object Mode")
+        return False
+    return True
+
+
+def fail(operator, error):
+    """Tells the user in one sentence; for `execute`."""
+    operator.report({"ERROR"}, str(error))
+    return {"CANCELLED"}
+
+
+class MOULAGE_OT_set_template(bpy.types.Operator):
+    """Take the active mesh as the template"""
+
+    bl_idname = "moulage.set_template"
+    bl_label = "Active Mesh as Template"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.object is None or context.object.type != "MESH":
+            cls.poll_message_set("Select a mesh")
+            return False
+        return not solve.is_running()
+
+    def execute(self, context):
+        context.scene.moulage.template = context.object
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_check_template(bpy.types.Operator):
+    """Look for holes, flipped faces, doubled vertices and wrong units"""
+
+    bl_idname = "moulage.check_template"
+    bl_label = "Check"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context)
+
+    def execute(self, context):
+        template = properties.template_of(context)
+        try:
+            inputs = problem.gather_shape(context, template)
+            with calls() as library:
+                surface = library.TriMesh(inputs.points, inputs.triangles)
+                findings = [sentence(line) for line in surface.check()]
+        except Wrong as error:
+            return fail(self, error)
+        size = (inputs.points.max(axis=0) - inputs.points.min(axis=0)).max()
+        if units.millimetres(context.scene, size) > 10_000:
+            findings.append(
+                f"It is {units.text(context.scene, size)} long: if its coordinates are millimetres, use the "
+                "button Millimetres."
+            )
+        template.moulage.findings = "\n".join(findings)
+        template.moulage.checked = True
+        self.report({"INFO"}, findings[0] if findings else "The template is closed and clean.")
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_fix_template(bpy.types.Operator):
+    """Put right what the check found. Steps that add or remove vertices are left out once the mesh has
+    shape keys"""
+
+    bl_idname = "moulage.fix_template"
+    bl_label = "Fix"
+    bl_options = {"REGISTER", "UNDO"}
+
+    normals: bpy.props.BoolProperty(name="Faces outward", description="Turn faces that look inward", default=True)
+    doubles: bpy.props.BoolProperty(name="Merge doubled vertices", default=True)
+    loose: bpy.props.BoolProperty(name="Remove loose vertices", default=True)
+    holes: bpy.props.BoolProperty(name="Close holes", default=True)
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context)
+
+    def execute(self, context):
+        template = properties.template_of(context)
+        mesh = template.data
+        if mesh.library is not None:
+            return fail(self, "The template's mesh is linked from another file: make it local first.")
+        before = len(mesh.vertices)
+        work = bmesh.new()
+        work.from_mesh(mesh)
+        if mesh.shape_keys is None:
+            self._change_vertices(work)
+        if self.normals:
+            bmesh.ops.recalc_face_normals(work, faces=work.faces)
+        work.to_mesh(mesh)
+        work.free()
+        mesh.update()
+        bpy.ops.moulage.check_template()
+        self.report({"INFO"}, f"{before} vertices before, {len(mesh.vertices)} now.")
+        return {"FINISHED"}
+
+    def _change_vertices(self, work):
+        if self.doubles:
+            size = max((v.co.length for v in work.verts), default=1.0)
+            bmesh.ops.remove_doubles(work, verts=work.verts, dist=1e-6 * size)
+        if self.loose:
+            loose = [v for v in work.verts if not v.link_faces]
+            bmesh.ops.delete(work, geom=loose, context="VERTS")
+        if self.holes:
+            border = [e for e in work.edges if e.is_boundary]
+            if border:
+                filled = bmesh.ops.holes_fill(work, edges=border, sides=0)["faces"]
+                bmesh.ops.triangulate(work, faces=filled)
+
+
+class MOULAGE_OT_use_millimetres(bpy.types.Operator):
+    """Let one unit of the scene be a millimetre, and let the 3D views reach far enough"""
+
+    bl_idname = "moulage.use_millimetres"
+    bl_label = "Millimetres"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        settings = context.scene.unit_settings
+        settings.system = "METRIC"
+        settings.scale_length = 0.001
+        settings.length_unit = "MILLIMETERS"
+        for screen in {window.screen for window in context.window_manager.windows}:
+            for area in screen.areas:
+                if area.type == "VIEW_3D":
+                    space = area.spaces.active
+                    space.clip_start, space.clip_end = max(space.clip_start, 0.1), max(space.clip_end, 100_000.0)
+        template = properties.template_of(context)
+        if template is not None and template.moulage.checked and not solve.is_running():
+            bpy.ops.moulage.check_template()
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_tetrahedralize(bpy.types.Operator):
+    """Fill the template with tets and measure them. Reshape does this by itself; here you see how good they are"""
+
+    bl_idname = "moulage.tetrahedralize"
+    bl_label = "Fill with Tets"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return poll_template(cls, context)
+
+    def execute(self, context):
+        template = properties.template_of(context)
+        try:
+            inputs = problem.gather_shape(context, template)
+            tets = solve.tets_of(inputs)
+        except Wrong as error:
+            return fail(self, error)
+        quality, how = tets.quality, {"tetgen": "TetGen", "lattice": "the lattice"}[tets.method]
+        lines = [
+            f"{quality['tet_count']} tets by {how}",
+            f"Angles {quality['min_dihedral']:.0f}° to {quality['max_dihedral']:.0f}°, "
+            f"mean quality {quality['mean_radius_ratio']:.2f} of 1",
+        ]
+        lines += [sentence(line) for line in tets.warnings]
+        template.moulage.tets_text = "\n".join(lines)
+        self.report({"INFO"}, lines[0])
+        return {"FINISHED"}
+
+
+classes = (
+    MOULAGE_OT_set_template, MOULAGE_OT_check_template, MOULAGE_OT_fix_template, MOULAGE_OT_use_millimetres,
+    MOULAGE_OT_tetrahedralize,
+)

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels of the tab "Moulage", in the order of work."""
+
+import textwrap
+
+import bpy
+
+from . import landmarks, library, properties, solve, units
+
+
+class _Panel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Moulage"
+
+
+class _NeedsTemplate(_Panel):
+    @classmethod
+    def poll(cls, context):
+        return properties.template_of(context) is not None
+
+
+def write(layout, context, text, icon="NONE"):
+    """A text in as many lines as the panel's width asks for."""
+    width = max(20, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 4)
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for paragraph in text.splitlines():
+        for number, line in enumerate(textwrap.wrap(paragraph, width)):
+            column.label(text=line, icon=icon if number == 0 else ("BLANK1" if icon != "NONE" else "NONE"))
+
+
+class MOULAGE_PT_template(_Panel, bpy.types.Panel):
+    bl_label = "Template"
+
+    def draw(self, context):
+        layout = self.layout
+        problem = library.problem()
+        if problem is not None:
+            write(layout, context, problem, "ERROR")
+            return
+        column = layout.column()
+        column.enabled = not solve.is_running()
+        column.prop(context.scene.moulage, "template", text="")
+        template = properties.template_of(context)
+        if template is None:
+            column.operator("moulage.set_template", icon="MESH_DATA")
+            write(layout, context, "Pick the mesh that is to take the person's shape.", "INFO")
+            return
+        if template.mode != "OBJECT":
+            write(layout, context, "Go back to Object Mode.", "ERROR")
+        self._check(context, column, template)
+
+    def _check(self, context, column, template):
+        data = template.moulage
+        row = column.row(align=True)
+        row.operator("moulage.check_template", icon="VIEWZOOM")
+        row.operator("moulage.fix_template", icon="MODIFIER")
+        if data.checked and data.findings:
+            write(column, context, data.findings, "ERROR")
+        elif data.checked:
+            column.label(text="Closed and clean", icon="CHECKMARK")
+        if abs(context.scene.unit_settings.scale_length - 0.001) > 1e-6:
+            column.operator("moulage.use_millimetres", icon="DRIVER_DISTANCE", text="Coordinates Are Millimetres")
+
+
+class MOULAGE_UL_landmarks(bpy.types.UIList):
+    def draw_item(self, context, layout, _data, item, _icon, _active, _property):
+        row = layout.row(align=True)
+        row.prop(item, "use", text="")
+        row.prop(item, "name", text="", emboss=False)
+        figure = row.row()
+        figure.ui_units_x = 3.6
+        if item.template is None or item.target is None:
+            figure.label(text="half", icon="ERROR")
+        elif item.residual >= 0:
+            figure.label(text=units.text(context.scene, item.residual))
+
+
+class MOULAGE_PT_markers(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Markers"
+
+    def draw(self, context):
+        layout = self.layout
+        data = properties.template_of(context).moulage
+        write(layout, context, "Points of the person's surface, in no order.")
+        column = layout.column(align=True)
+        column.prop(data, "markers", text="", icon="OUTLINER_OB_POINTCLOUD")
+        column.prop(data, "marker_empties", text="")
+        row = layout.row(align=True)
+        row.operator("moulage.import_markers", text="Import", icon="IMPORT")
+        row.operator("moulage.export_markers", text="Export", icon="EXPORT")
+        layout.prop(data, "show_markers")
+
+
+class MOULAGE_PT_landmarks(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Landmarks"
+
+    def draw(self, context):
+        layout = self.layout
+        template = properties.template_of(context)
+        data = template.moulage
+        layout.operator("moulage.pick_landmarks", icon="EYEDROPPER")
+        if data.landmarks:
+            row = layout.row()
+            row.template_list("MOULAGE_UL_landmarks", "", data, "landmarks", data, "active_landmark", rows=4)
+            side = row.column(align=True)
+            side.operator("moulage.remove_landmark", text="", icon="REMOVE").all = False
+            side.operator("moulage.remove_landmark", text="", icon="TRASH").all = True
+            if data.active_landmark < len(data.landmarks):
+                item = data.landmarks[data.active_landmark]
+                layout.prop(item, "weight")
+        row = layout.row(align=True)
+        row.operator("moulage.import_landmarks", text="Import", icon="IMPORT")
+        row.operator("moulage.export_landmarks", text="Export", icon="EXPORT")
+        row = layout.row(align=True)
+        row.operator("moulage.place_template", text="Place", icon="ORIENTATION_GLOBAL").scale = False
+        row.operator("moulage.place_template", text="Place and Scale").scale = True
+        missing = 3 - len(landmarks.used(template))
+        if missing > 0 and data.markers is None and data.marker_empties is None:
+            write(layout, context, f"Click {missing} more pair{'s' if missing > 1 else ''}, or add markers.", "INFO")
+
+
+class MOULAGE_PT_attachments(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Attachments and Fixed Parts"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        template = properties.template_of(context)
+        data = template.moulage
+        row = layout.row()
+        row.template_list("UI_UL_list", "moulage_attachments", data, "attachments", data, "active_attachment", rows=2)
+        side = row.column(align=True)
+        side.operator("moulage.add_attachment", text="", icon="ADD")
+        side.operator("moulage.remove_attachment", text="", icon="REMOVE")
+        if data.active_attachment < len(data.attachments):
+            item = data.attachments[data.active_attachment]
+            column = layout.column()
+            column.use_property_split = True
+            column.prop(item, "bone")
+            column.prop(item, "target")
+            column.prop(item, "by")
+            if item.by == "GROUP":
+                column.prop_search(item, "group", template, "vertex_groups")
+            else:
+                column.prop(item, "distance")
+        layout.prop(data, "hard_attachments")
+        layout.prop_search(data, "fixed_group", template, "vertex_groups")
+
+
+class MOULAGE_PT_reshape(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Reshape"
+
+    def draw(self, context):
+        layout = self.layout
+        state = context.window_manager.moulage
+        if solve.is_running():
+            self._draw_run(context, layout, state)
+            return
+        data = properties.template_of(context).moulage
+        column = layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        column.prop(data, "tolerance")
+        column.prop(data, "landmark_tolerance")
+        if data.attachments:
+            column.prop(data, "attachment_tolerance")
+        if data.tolerance == 0.0:
+            write(layout, context, "0: a thousandth of the template's size.")
+        row = layout.row()
+        row.scale_y = 1.5
+        row.operator("moulage.reshape", icon="PLAY")
+
+    def _draw_run(self, context, layout, state):
+        if hasattr(layout, "progress"):
+            layout.progress(factor=state.fraction, text=f"{100 * state.fraction:.0f} %  {state.stage}")
+        else:
+            layout.prop(state, "fraction", text=state.stage, slider=True)
+        if state.details:
+            write(layout, context, state.details)
+        row = layout.row()
+        row.scale_y = 1.5
+        row.operator("moulage.stop", icon="CANCEL", text="Stop and Keep the Best")
+
+
+class MOULAGE_PT_tets(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Tets and Settings"
+    bl_parent_id = "MOULAGE_PT_reshape"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.enabled = not solve.is_running()
+        data = properties.template_of(context).moulage
+        column = layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        column.prop(data, "method")
+        column.prop(data, "tet_count")
+        column.operator("moulage.tetrahedralize", icon="MESH_ICOSPHERE")
+        if data.tets_text:
+            write(layout, context, data.tets_text)
+        column = layout.column()
+        column.use_property_split = True
+        column.use_property_decorate = False
+        for name in ("smoothness", "max_iterations", "reverse_term", "live", "new_key"):
+            column.prop(data, name)
+
+
+class MOULAGE_PT_carried(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Carried Meshes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        data = properties.template_of(context).moulage
+        write(layout, context, "Vessels inside, a finer version: they move with the template.")
+        if data.carried:
+            row = layout.row()
+            row.template_list("MOULAGE_UL_carried", "", data, "carried", data, "active_carried", rows=2)
+            row.operator("moulage.remove_carried", text="", icon="REMOVE")
+        layout.operator("moulage.add_carried", icon="ADD")
+
+
+class MOULAGE_UL_carried(bpy.types.UIList):
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
+        layout.prop(item, "object", text="", emboss=False)
+
+
+class MOULAGE_PT_result(_NeedsTemplate, bpy.types.Panel):
+    bl_label = "Result"
+
+    def draw(self, context):
+        layout = self.layout
+        template = properties.template_of(context)
+        data, kept = template.moulage, template.moulage.result
+        keys = template.data.shape_keys
+        key = keys.key_blocks.get(kept.key) if keys and kept.key else None
+        if key is None:
+            write(layout, context, "No result yet: reshape first.", "INFO")
+            return
+        layout.prop(key, "value", text="Template to Person", slider=True)
+        write(layout, context, kept.ending)
+        self._figures(context, layout, kept)
+        if kept.warnings:
+            write(layout, context, kept.warnings, "ERROR")
+        row = layout.row(align=True)
+        for kind, label in (("NONE", "Plain"), ("DISTANCE", "Distance"), ("STRETCH", "Stretch")):
+            row.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
+        layout.operator("moulage.copy_result", icon="DUPLICATE")
+
+    def _figures(self, context, layout, kept):
+        column = layout.column(align=True)
+        column.scale_y = 0.8
+        if kept.mean_distance >= 0:
+            mean, largest = (units.text(context.scene, v) for v in (kept.mean_distance, kept.max_distance))
+            column.label(text=f"Markers off: mean {mean}, largest {largest}")
+        column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
+        if kept.inverted_tets:
+            column.label(text=f"{kept.inverted_tets} inverted tets: folded there", icon="ERROR")
+
+
+classes = (
+    MOULAGE_UL_landmarks, MOULAGE_UL_carried, MOULAGE_PT_template, MOULAGE_PT_markers, MOULAGE_PT_landmarks,
+    MOULAGE_PT_attachments, MOULAGE_PT_carried, MOULAGE_PT_reshape, MOULAGE_PT_tets, MOULAGE_PT_result,
+)

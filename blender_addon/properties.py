@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that is saved in the .blend: on the scene which object is the template, on the template its
+data and settings, on each landmark empty what it belongs to."""
+
+import bpy
+from bpy.props import (
+    BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty,
+    PointerProperty, StringProperty,
+)
+
+
+def _is_mesh(_self, ob):
+    return ob.type == "MESH"
+
+
+def _holds_points(_self, ob):
+    return ob.type in {"MESH", "POINTCLOUD"}
+
+
+class MOULAGE_PG_landmark(bpy.types.PropertyGroup):
+    """One place, on the template and on the person."""
+
+    name: StringProperty(name="Name")
+    template: PointerProperty(name="On the template", type=bpy.types.Object)
+    target: PointerProperty(name="On the person", type=bpy.types.Object)
+    use: BoolProperty(name="Use", description="Whether the landmark takes part", default=True)
+    weight: FloatProperty(name="Weight", description="Relative weight", default=1.0, min=0.0, soft_max=10.0)
+    residual: FloatProperty(
+        name="Residual", description="How far off the last run left it; below 0: not known", default=-1.0
+    )
+    moved: FloatVectorProperty(description="Where the last run put the template's point", size=3)
+
+
+class MOULAGE_PG_attachment(bpy.types.PropertyGroup):
+    """A bone on which the template grows."""
+
+    name: StringProperty(name="Name")
+    bone: PointerProperty(
+        name="Bone", description="The bone of the template", type=bpy.types.Object, poll=_is_mesh
+    )
+    target: PointerProperty(
+        name="Person's bone",
+        description="The same bone of the person, with the same vertices. Empty: the bone is in place already",
+        type=bpy.types.Object, poll=_is_mesh,
+    )
+    by: EnumProperty(
+        name="Attached", items=[
+            ("DISTANCE", "Near the bone", "The template is attached to every vertex of the bone that is near it"),
+            ("GROUP", "Vertex group", "The template's vertices in a group are attached to the bone"),
+        ],
+    )
+    distance: FloatProperty(
+        name="Distance", description="Vertices of the bone as near as this are attached",
+        subtype="DISTANCE", min=0.0, default=3.0,
+    )
+    group: StringProperty(name="Vertex group", description="The template's vertices that grow on the bone")
+
+
+class MOULAGE_PG_carried(bpy.types.PropertyGroup):
+    """A mesh that moves with the template."""
+
+    object: PointerProperty(name="Mesh", type=bpy.types.Object, poll=_is_mesh)
+
+
+class MOULAGE_PG_result(bpy.types.PropertyGroup):
+    """What the last run said; lengths in the scene's units."""
+
+    key: StringProperty(name="Shape key")
+    ending: StringProperty(name="Ending")
+    warnings: StringProperty(description="What may be a mistake, one sentence per line")
+    mean_distance: FloatProperty(default=-1.0)
+    max_distance: FloatProperty(default=-1.0)
+    iterations: IntProperty()
+    inverted_tets: IntProperty()
+    seconds: FloatProperty()
+    heat_range: FloatVectorProperty(size=2)
+
+
+class MOULAGE_PG_template(bpy.types.PropertyGroup):
+    """A template: its data and settings."""
+
+    uid: StringProperty(description="Stays the same when the object is renamed")
+    findings: StringProperty(description="What the check found, one sentence per line")
+    checked: BoolProperty()
+
+    landmarks: CollectionProperty(type=MOULAGE_PG_landmark)
+    active_landmark: IntProperty()
+    markers: PointerProperty(
+        name="Points",
+        description="A mesh or point cloud whose points lie on the person's surface",
+        type=bpy.types.Object, poll=_holds_points,
+    )
+    marker_empties: PointerProperty(
+        name="Empties", description="A collection whose empties lie on the person's surface",
+        type=bpy.types.Collection,
+    )
+    attachments: CollectionProperty(type=MOULAGE_PG_attachment)
+    active_attachment: IntProperty()
+    fixed_group: StringProperty(name="Fixed", description="Vertex group of the template that stays where it is")
+    carried: CollectionProperty(type=MOULAGE_PG_carried)
+    active_carried: IntProperty()
+
+    method: EnumProperty(
+        name="Tets", items=[
+            ("auto", "Automatic", "TetGen where it is found and can fill the surface, else the lattice"),
+            ("tetgen", "TetGen", "The program TetGen, or an error"),
+            ("lattice", "Lattice", "Built in; takes open and self-intersecting surfaces as well"),
+        ],
+    )
+    tet_count: IntProperty(
+        name="Number", description="About how many tets", default=15000, min=24, max=10_000_000, soft_max=100_000
+    )
+    tets_text: StringProperty(description="Quality of the tets, one sentence per line")
+
+    tolerance: FloatProperty(
+        name="Tolerance", subtype="DISTANCE", min=0.0, precision=3,
+        description="How far a marker may be off because it was not clicked better. 0: the template's "
+        "diagonal / 1000",
+    )
+    landmark_tolerance: FloatProperty(
+        name="Landmarks", subtype="DISTANCE", min=0.0, precision=3,
+        description="How far a landmark may be off. 0: 5 times the tolerance",
+    )
+    attachment_tolerance: FloatProperty(
+        name="Attachments", subtype="DISTANCE", min=0.0, precision=3,
+        description="How far an attachment may be off. 0: the tolerance",
+    )
+    smoothness: FloatProperty(
+        name="Smoothness", description="Times the usual weight of the smoothness of the stretch", default=1.0,
+        min=1e-3, soft_min=0.1, soft_max=10.0,
+    )
+    max_iterations: IntProperty(name="Iterations", description="At most so many; 0: the usual number", min=0)
+    hard_attachments: BoolProperty(
+        name="Hard attachments", description="Attachments are met whatever the markers say"
+    )
+    reverse_term: BoolProperty(
+        name="Pull back far parts", default=True,
+        description="Parts of the template far from every marker are pulled back, except beyond the ends of "
+        "a scan that cuts the organ",
+    )
+    new_key: BoolProperty(
+        name="Keep earlier results", description="Each run makes a shape key of its own instead of replacing the last"
+    )
+    live: BoolProperty(name="Live view", description="Show the shape while it is being found", default=True)
+
+    result: PointerProperty(type=MOULAGE_PG_result)
+    heat: EnumProperty(
+        name="Heat map", items=[
+            ("NONE", "None", "The object's own colours"),
+            ("DISTANCE", "Distance", "How far the nearest markers are off the surface"),
+            ("STRETCH", "Stretch", "How much the template was stretched: largest principal stretch"),
+        ],
+    )
+    show_markers: BoolProperty(
+        name="Show markers", description="Draw the markers as dots, coloured by their distance", default=True
+    )
+
+
+class MOULAGE_PG_scene(bpy.types.PropertyGroup):
+    template: PointerProperty(
+        name="Template", description="The mesh to put into the person's shape", type=bpy.types.Object, poll=_is_mesh
+    )
+
+
+class MOULAGE_PG_runtime(bpy.types.PropertyGroup):
+    """Where the present run stands; for the panels, not saved."""
+
+    fraction: FloatProperty(subtype="FACTOR", min=0.0, max=1.0)
+    stage: StringProperty()
+    details: StringProperty()
+
+
+classes = (
+    MOULAGE_PG_landmark, MOULAGE_PG_attachment, MOULAGE_PG_carried, MOULAGE_PG_result, MOULAGE_PG_template,
+    MOULAGE_PG_scene, MOULAGE_PG_runtime,
+)
+
+
+def register():
+    bpy.types.Object.moulage = PointerProperty(type=MOULAGE_PG_template)
+    bpy.types.Scene.moulage = PointerProperty(type=MOULAGE_PG_scene)
+    bpy.types.WindowManager.moulage = PointerProperty(type=MOULAGE_PG_runtime)
+
+
+def unregister():
+    del bpy.types.WindowManager.moulage
+    del bpy.types.Scene.moulage
+    del bpy.types.Object.moulage
+
+
+def template_of(context):
+    """The scene's template, or None; also for one that was deleted but is still in the file."""
+    ob = context.scene.moulage.template
+    return ob if ob is not None and ob.name in context.scene.objects else None

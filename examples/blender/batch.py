@@ -1,0 +1,41 @@
+"""Reshapes the liver of examples/liver without a window and saves the scene. The add-on must be enabled.
+
+    blender -b --python examples/blender/batch.py -- FOLDER OUT.blend
+    python examples/blender/batch.py FOLDER OUT.blend        # with the Python module bpy
+
+FOLDER holds template.obj, markers.csv and landmarks.csv, in millimetres.
+"""
+
+import sys
+from pathlib import Path
+
+import bpy
+
+
+def main(folder, out):
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.obj_import(filepath=str(folder / "template.obj"), forward_axis="Y", up_axis="Z")
+    template = bpy.context.selected_objects[0]
+    bpy.context.scene.moulage.template = template
+    bpy.ops.moulage.use_millimetres()
+
+    bpy.ops.moulage.check_template()
+    print(template.moulage.findings or "The template is closed and clean.")
+
+    bpy.ops.moulage.import_markers(filepath=str(folder / "markers.csv"))
+    bpy.ops.moulage.import_landmarks(filepath=str(folder / "landmarks.csv"))
+    template.moulage.tolerance = 0.3
+    template.moulage.landmark_tolerance = 15.0
+    bpy.ops.moulage.reshape()
+    bpy.ops.moulage.show_heat_map(kind="STRETCH")
+
+    result = template.moulage.result
+    print(f"{result.ending} {result.iterations} steps, {result.seconds:.0f} s")
+    bpy.ops.wm.save_as_mainfile(filepath=str(out))
+
+
+if __name__ == "__main__":
+    given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    if len(given) != 2:
+        sys.exit(__doc__)
+    main(Path(given[0]).resolve(), Path(given[1]).resolve())

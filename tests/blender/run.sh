@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# The add-on in every Blender that runs here, from the built zips; called by tests/run.sh.
+#   tests/blender/run.sh DIST [SCREENSHOTS]
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+dist=$1
+pictures=${2:-target/blender/pictures}
+mkdir -p target/blender
+
+for version in 4.2.23 4.5.15 5.0.1; do
+    venv=target/blender/bpy-$version
+    if [ ! -x "$venv/ready" ]; then
+        # Blender's wheels are for Python 3.11.
+        python3.11 -m venv "$venv"
+        "$venv/bin/pip" install -q --no-cache-dir "bpy==$version" numpy
+        touch "$venv/ready" && chmod +x "$venv/ready"
+    fi
+    tool=$(echo "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
+    "$venv/bin/python" "$tool" validate "$dist"/moulage-*-linux-x64.zip
+    timeout 900 "$venv/bin/python" tests/blender/run.py "$dist"
+done
+
+# Debian's Blender, first without a window, then with one.
+for folder in CONFIG SCRIPTS DATAFILES; do
+    export "BLENDER_USER_$folder=$(mktemp -d)"
+done
+timeout 900 blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- "$dist"
+rm -rf "$pictures"
+LIBGL_ALWAYS_SOFTWARE=1 timeout 1500 xvfb-run -a -s "-screen 0 1400x1000x24 +extension GLX +render -noreset" \
+    blender --factory-startup --enable-event-simulate --window-geometry 0 0 1400 1000 \
+    --python tests/blender/window.py -- "$dist" "$pictures"
+for picture in start template_and_markers landmarks running result heat_map_distance heat_map_stretch; do
+    colours=$(identify -format %k "$pictures/$picture.png")
+    [ "$colours" -gt 500 ] || { echo "$pictures/$picture.png shows next to nothing"; exit 1; }
+done

@@ -1,0 +1,107 @@
+"""Scenes for the tests: small templates with known persons, and the liver of examples/."""
+
+import importlib
+import json
+import os
+import sys
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy
+
+ROOT = Path(__file__).resolve().parents[2]
+LIVER = ROOT / "examples" / "liver"
+# The add-on's module under its name in this Blender; run.py sets it.
+MODULE = os.environ.get("MOULAGE_MODULE", "")
+
+
+def part(name):
+    """A module of the installed add-on, such as `solve`."""
+    return importlib.import_module(f"{MODULE}.{name}")
+
+
+def empty_scene():
+    """An empty scene without the add-on's leftovers."""
+    for ob in list(bpy.data.objects):
+        bpy.data.objects.remove(ob)
+    for collection in list(bpy.data.collections):
+        bpy.data.collections.remove(collection)
+    for mesh in list(bpy.data.meshes):
+        bpy.data.meshes.remove(mesh)
+    bpy.context.scene.unit_settings.scale_length = 1.0
+
+
+def add_mesh(name, points, faces):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(numpy.asarray(points).tolist(), [], numpy.asarray(faces).tolist())
+    mesh.update()
+    ob = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(ob)
+    return ob
+
+
+def ball(name="ball", subdivisions=3):
+    """A sphere of radius 1 with texture coordinates and a vertex group."""
+    mesh = bpy.data.meshes.new(name)
+    work = bmesh.new()
+    bmesh.ops.create_icosphere(work, subdivisions=subdivisions, radius=1.0)
+    layer = work.loops.layers.uv.new("UVMap")
+    for face in work.faces:
+        for loop in face.loops:
+            loop[layer].uv = loop.vert.co.xy * 0.5
+    work.to_mesh(mesh)
+    work.free()
+    ob = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(ob)
+    top = ob.vertex_groups.new(name="top")
+    top.add([v.index for v in mesh.vertices if v.co.z > 0.8], 1.0, "REPLACE")
+    return ob
+
+
+def points_of(mesh):
+    flat = numpy.empty(3 * len(mesh.vertices), numpy.float32)
+    mesh.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def shape_of(ob):
+    """The vertices of a result, in the object's coordinates."""
+    key = ob.data.shape_keys.key_blocks[ob.moulage.result.key]
+    flat = numpy.empty(3 * len(key.data), numpy.float32)
+    key.data.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def egg(points):
+    """The person of the ball: longer along x, flatter along z, and bent."""
+    x, y, z = numpy.asarray(points, dtype=float).T
+    return numpy.stack([1.3 * x + 0.1, y + 0.15 * x * x, 0.8 * z + 0.25 * x * x], axis=1)
+
+
+def ball_and_markers(subdivisions=3, tet_count=600, iterations=6):
+    """A ball that is to become an egg, with quick settings."""
+    empty_scene()
+    template = ball(subdivisions=subdivisions)
+    person = ball("person points", 2)
+    marks = add_mesh("marks", egg(points_of(person.data)), [])
+    bpy.data.objects.remove(person)
+    bpy.context.scene.moulage.template = template
+    data = template.moulage
+    data.markers = marks
+    data.method, data.tet_count, data.max_iterations = "lattice", tet_count, iterations
+    return template
+
+
+def load_liver():
+    """The liver of examples/ by the add-on's own importers."""
+    empty_scene()
+    importer = bpy.ops.wm.obj_import
+    importer(filepath=str(LIVER / "template.obj"), forward_axis="Y", up_axis="Z")
+    template = bpy.context.selected_objects[0]
+    bpy.context.scene.moulage.template = template
+    bpy.ops.moulage.use_millimetres()
+    bpy.ops.moulage.import_markers(filepath=str(LIVER / "markers.csv"))
+    bpy.ops.moulage.import_landmarks(filepath=str(LIVER / "landmarks.csv"))
+    template.moulage.tolerance, template.moulage.landmark_tolerance = 0.3, 15.0
+    return template
