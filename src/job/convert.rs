@@ -9,13 +9,14 @@ use super::register_output::{file_name, scene};
 use crate::error::{Error, Result};
 use crate::io::gltf::write_glb;
 use crate::io::osim::{OsimModel, parse_osim};
+use crate::io::skeleton::SkeletonDocument;
 use crate::io::vtp::read_vtp;
 use crate::io::{read_bytes, read_surface, write_beside, write_surface};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
 /// Metres per unit of a skeleton file that says its unit; millimetres otherwise.
-fn metres_per_unit(units: Option<&str>) -> f64 {
+pub fn metres_per_unit(units: Option<&str>) -> f64 {
     match units {
         Some("m") => 1.0,
         Some("cm") => 0.01,
@@ -28,9 +29,7 @@ fn metres_per_unit(units: Option<&str>) -> f64 {
 pub fn convert_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
     let ends = |path: &Path, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
     if ends(from, ".osim") && ends(to, ".skeleton.json") {
-        let bytes = read_bytes(from)?;
-        let model = parse_osim(&String::from_utf8_lossy(&bytes), from)?;
-        return write_osim_skeleton(model, from, to);
+        return write_osim_skeleton(from, to);
     }
     if ends(from, ".json") && ends(to, ".glb") {
         let files = read_skeleton(from)?;
@@ -45,21 +44,34 @@ pub fn convert_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
     )))
 }
 
-fn write_osim_skeleton(mut model: OsimModel, from: &Path, to: &Path) -> Result<Vec<String>> {
-    let folder = to.parent().unwrap_or(Path::new(""));
-    for (k, bone) in model.document.bones.iter_mut().enumerate() {
-        let mut mesh = read_mesh(&find_mesh(from, &bone.mesh)?)?;
-        let scale = Vec3::from(model.mesh_scale[k]);
+/// Reads an OpenSim model: its skeleton, the surface of each bone in the default pose, metres, and
+/// notes on what was left out.
+pub fn read_osim_skeleton(path: &Path) -> Result<(SkeletonDocument, Vec<TriMesh>, Vec<String>)> {
+    let bytes = read_bytes(path)?;
+    let model = parse_osim(&String::from_utf8_lossy(&bytes), path)?;
+    let OsimModel { mut document, world_from_body, mesh_scale, notes } = model;
+    let mut meshes = Vec::new();
+    for (k, bone) in document.bones.iter_mut().enumerate() {
+        let mut mesh = read_mesh(&find_mesh(path, &bone.mesh)?)?;
+        let scale = Vec3::from(mesh_scale[k]);
         for p in &mut mesh.points {
-            let scaled = Point3::from(p.component_mul(&scale));
-            *p = (model.world_from_body[k] * scaled).coords;
+            *p = (world_from_body[k] * Point3::from(p.component_mul(&scale))).coords;
         }
         bone.mesh = format!("bones/{}.obj", file_name(&bone.name));
-        write_surface(&folder.join(&bone.mesh), &mesh)?;
+        meshes.push(mesh);
     }
-    let text = model.document.to_text()?;
+    Ok((document, meshes, notes))
+}
+
+fn write_osim_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
+    let (document, meshes, notes) = read_osim_skeleton(from)?;
+    let folder = to.parent().unwrap_or(Path::new(""));
+    for (bone, mesh) in document.bones.iter().zip(&meshes) {
+        write_surface(&folder.join(&bone.mesh), mesh)?;
+    }
+    let text = document.to_text()?;
     write_beside(to, |out| out.write_all(text.as_bytes()))?;
-    Ok(model.notes)
+    Ok(notes)
 }
 
 /// A mesh beside the model, or in `Geometry/` as OpenSim looks it up.

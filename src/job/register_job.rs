@@ -124,7 +124,8 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     let files = read_skeleton(&job.skeleton)?;
     let target = read_target(job, &files.skeleton)?;
     let carried = output::read_carried(job, &files)?;
-    let motion = job.motion.as_deref().map(|path| read_motion(path, job)).transpose()?;
+    let flip = job.flip.as_deref().unwrap_or_default();
+    let motion = job.motion.as_deref().map(|path| read_motion(path, flip)).transpose()?;
     let options = options(job, &files.document);
     let prepared = Instant::now();
     let registration = Registration::new(files.skeleton.clone(), options)?;
@@ -190,10 +191,11 @@ fn read_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
     }
 }
 
-fn read_motion(path: &Path, job: &RegisterJob) -> Result<Motion> {
+/// Reads an OpenSim motion; the angles named in `flip` change their sign.
+pub fn read_motion(path: &Path, flip: &[String]) -> Result<Motion> {
     let table = crate::io::mot::read_motion(path)?;
     let mut motion = Motion { names: table.names, times: table.times, frames: table.rows };
-    for name in job.flip.iter().flatten() {
+    for name in flip {
         let column = motion.names.iter().position(|n| n == name).ok_or_else(|| {
             Error::invalid(format!("--flip {name}: {} has no such column", path.display()))
         })?;

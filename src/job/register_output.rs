@@ -9,7 +9,7 @@ use super::register_job::{RegisterJob, SkeletonFiles};
 use super::skeleton_build::skeleton_document;
 use crate::error::Result;
 use crate::io::gltf::{GltfNode, GltfScene, write_glb};
-use crate::io::skeleton::SoftEntry;
+use crate::io::skeleton::{SkeletonDocument, SoftEntry};
 use crate::io::{SurfaceFile, read_surface, write_beside};
 use crate::register::animation::{Motion, animate, present_angles};
 use crate::register::transfer::carry_soft_tissue;
@@ -22,7 +22,7 @@ pub(super) struct Carried {
 }
 
 /// A name without anything that means something in a path.
-pub(super) fn file_name(name: &str) -> String {
+pub fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_alphanumeric() || "_-.".contains(c) { c } else { '_' };
     let cleaned: String = name.chars().map(safe).collect();
     cleaned.trim_start_matches('.').to_string()
@@ -49,20 +49,13 @@ pub(super) fn write(
     motion: Option<&Motion>,
 ) -> Result<Vec<PathBuf>> {
     let mut written = Vec::new();
-    let mut document = skeleton_document(&found.skeleton);
-    document.units.clone_from(&files.document.units);
-    document.frame.clone_from(&files.document.frame);
+    let mut document = result_document(&files.document, found);
     for ((bone, entry), file) in
-        found.skeleton.bones.iter().zip(&mut document.bones).zip(&files.surfaces)
+        found.skeleton.bones.iter().zip(&document.bones).zip(&files.surfaces)
     {
-        entry.mesh = format!("bones/{}.obj", file_name(&bone.name));
         let path = folder.join(&entry.mesh);
         file.write_with_points(&path, &found.skeleton.points[bone.vertices.clone()])?;
         written.push(path);
-    }
-    for (entry, old) in document.joints.iter_mut().zip(&files.document.joints) {
-        entry.axes.clone_from(&old.axes);
-        entry.source.clone_from(&old.source);
     }
     for Carried { name, file } in carried {
         let points = carry_soft_tissue(&files.skeleton, &found.skeleton.points, &file.mesh()?)?;
@@ -71,7 +64,6 @@ pub(super) fn write(
         written.push(folder.join(&mesh));
         document.soft.push(SoftEntry { name: name.clone(), mesh });
     }
-    document.result = Some(result_value(found));
     let path = folder.join("result.skeleton.json");
     let text = document.to_text()?;
     write_beside(&path, |out| out.write_all(text.as_bytes()))?;
@@ -81,6 +73,23 @@ pub(super) fn write(
     write_glb(&path, &scene)?;
     written.push(path);
     Ok(written)
+}
+
+/// The person's skeleton file, with all that the template's says and the figures of the result; bones
+/// in `bones/`, no soft tissue yet.
+pub fn result_document(template: &SkeletonDocument, found: &Registered) -> SkeletonDocument {
+    let mut document = skeleton_document(&found.skeleton);
+    document.units.clone_from(&template.units);
+    document.frame.clone_from(&template.frame);
+    for bone in &mut document.bones {
+        bone.mesh = format!("bones/{}.obj", file_name(&bone.name));
+    }
+    for (entry, old) in document.joints.iter_mut().zip(&template.joints) {
+        entry.axes.clone_from(&old.axes);
+        entry.source.clone_from(&old.source);
+    }
+    document.result = Some(result_value(found));
+    document
 }
 
 fn result_value(found: &Registered) -> serde_json::Value {
@@ -95,7 +104,7 @@ fn result_value(found: &Registered) -> serde_json::Value {
 }
 
 /// The skeleton as a tree of nodes, each in the frame of the joint it hangs on.
-pub(super) fn scene(
+pub fn scene(
     skeleton: &Skeleton,
     motion: Option<&Motion>,
     metres_per_unit: f64,

@@ -24,6 +24,40 @@ const PALETTE: [Colour; 6] = [
     [0.80, 0.80, 0.80],
 ];
 
+/// What to look at in a result, in sentences.
+pub fn warnings(template: &Skeleton, found: &Registered) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for bone in &found.bones {
+        if bone.suspicious {
+            warnings.push(format!(
+                "bone {} fits much worse than the others ({:.3}); it may lie on its neighbour's surface",
+                bone.name, bone.mean_residual
+            ));
+        }
+        if bone.seen < 0.3 {
+            warnings.push(format!(
+                "bone {} is seen by the target only on {:.0} % of its surface",
+                bone.name,
+                100.0 * bone.seen
+            ));
+        }
+    }
+    let apart: Vec<&str> = found
+        .joints
+        .iter()
+        .zip(&template.joints)
+        .filter(|(joint, template)| joint.seam > 2.0 * template.limits.shift)
+        .map(|(joint, _)| joint.name.as_str())
+        .collect();
+    if !apart.is_empty() {
+        warnings.push(format!(
+            "the two bones disagree on the centre by more than twice the allowed shift in {}",
+            apart.join(", ")
+        ));
+    }
+    warnings
+}
+
 /// All figures of a registration.
 #[derive(Clone, Debug, Serialize)]
 pub struct RegisterReport {
@@ -61,35 +95,6 @@ impl RegisterReport {
         [prepare_seconds, seconds]: [f64; 2],
     ) -> Self {
         let target = job.target.as_ref().or(job.labels.as_ref()).cloned().unwrap_or_default();
-        let mut warnings = Vec::new();
-        for bone in &found.bones {
-            if bone.suspicious {
-                warnings.push(format!(
-                    "bone {} fits much worse than the others ({:.3}); it may lie on its neighbour's surface",
-                    bone.name, bone.mean_residual
-                ));
-            }
-            if bone.seen < 0.3 {
-                warnings.push(format!(
-                    "bone {} is seen by the target only on {:.0} % of its surface",
-                    bone.name,
-                    100.0 * bone.seen
-                ));
-            }
-        }
-        let apart: Vec<&str> = found
-            .joints
-            .iter()
-            .zip(&files.skeleton.joints)
-            .filter(|(joint, template)| joint.seam > 2.0 * template.limits.shift)
-            .map(|(joint, _)| joint.name.as_str())
-            .collect();
-        if !apart.is_empty() {
-            warnings.push(format!(
-                "the two bones disagree on the centre by more than twice the allowed shift in {}",
-                apart.join(", ")
-            ));
-        }
         Self {
             version: env!("CARGO_PKG_VERSION"),
             skeleton: job.skeleton.clone(),
@@ -101,7 +106,7 @@ impl RegisterReport {
             bones: found.bones.clone(),
             joints: found.joints.clone(),
             levels: found.levels.clone(),
-            warnings,
+            warnings: warnings(&files.skeleton, found),
             written: Vec::new(),
         }
     }

@@ -118,16 +118,18 @@ pub fn skeleton_document(skeleton: &Skeleton) -> SkeletonDocument {
         mesh: format!("bones/{}.obj", b.name),
         label: b.label,
     });
+    let ends = |j: &Joint| [j.parent, j.child].map(|b| skeleton.bones[b].name.clone());
     SkeletonDocument {
         format: FORMAT.into(),
         version: VERSION,
         bones: bones.collect(),
-        joints: skeleton.joints.iter().map(|j| joint_entry(skeleton, j)).collect(),
+        joints: skeleton.joints.iter().map(|j| joint_entry(ends(j), j)).collect(),
         ..SkeletonDocument::default()
     }
 }
 
-fn joint_entry(skeleton: &Skeleton, joint: &Joint) -> JointEntry {
+/// The entry of a joint between the bones named parent and child.
+pub fn joint_entry([parent, child]: [String; 2], joint: &Joint) -> JointEntry {
     let frame = |f: &Isometry3<f64>| {
         let q = f.rotation.quaternion();
         FrameEntry { t: f.translation.vector.into(), q: [q.w, q.i, q.j, q.k] }
@@ -140,8 +142,8 @@ fn joint_entry(skeleton: &Skeleton, joint: &Joint) -> JointEntry {
     });
     JointEntry {
         name: joint.name.clone(),
-        parent: skeleton.bones[joint.parent].name.clone(),
-        child: skeleton.bones[joint.child].name.clone(),
+        parent,
+        child,
         parent_frame: Some(frame(&joint.parent_frame)),
         child_frame: Some(frame(&joint.child_frame)),
         axes: None,
