@@ -188,6 +188,16 @@ typedef struct MlgPairs MlgPairs;
 typedef struct MlgPolylines MlgPolylines;
 
 /**
+ * A template skeleton and the surface it is to follow. May be used by one thread at a time.
+ */
+typedef struct MlgRegistration MlgRegistration;
+
+/**
+ * A registered skeleton. Immutable; may be read from many threads.
+ */
+typedef struct MlgRegistrationResult MlgRegistrationResult;
+
+/**
  * A template and the data it is to follow. May be used by one thread at a time.
  */
 typedef struct MlgReshaping MlgReshaping;
@@ -201,6 +211,11 @@ typedef struct MlgReshapingResult MlgReshapingResult;
  * A computation on a thread of its own. May be polled and cancelled from any thread.
  */
 typedef struct MlgRun MlgRun;
+
+/**
+ * Bones and the joints between them. Immutable; may be read from many threads.
+ */
+typedef struct MlgSkeleton MlgSkeleton;
 
 /**
  * A tet mesh. Immutable; may be read from many threads.
@@ -537,6 +552,220 @@ typedef struct {
    */
   uint64_t seed;
 } MlgClicks;
+
+/**
+ * A joint between two bones. Set with `mlg_joint_init`.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Its name, UTF-8, unique. As an answer: borrowed until the skeleton is freed.
+   */
+  const char *name;
+  /**
+   * Number of the parent bone, from 0.
+   */
+  uint32_t parent;
+  /**
+   * Number of the child bone, from 0.
+   */
+  uint32_t child;
+  /**
+   * 1 (default), or 0 for a joint that only closes a loop.
+   */
+  uint32_t in_tree;
+  /**
+   * 1: the frames below are given. 0 (default): the joint is put in the middle of the narrowest
+   * gap between its bones, and the frames are not read.
+   */
+  uint32_t has_frames;
+  /**
+   * World from the joint's frame on the parent bone, in the skeleton's pose: a 4x4 matrix, row by
+   * row, without scale.
+   */
+  double world_from_parent_frame[16];
+  /**
+   * World from the joint's frame on the child bone; the same in the neutral position.
+   */
+  double world_from_child_frame[16];
+  /**
+   * Largest rotations in the negative sense about x, y and z of the frame: radians, 0 or more;
+   * INFINITY (default) leaves it free.
+   */
+  double negative_limits[3];
+  /**
+   * Largest rotations in the positive sense.
+   */
+  double positive_limits[3];
+  /**
+   * Largest distance of the two frames' origins, in the skeleton's unit. Below 0 (default): half a
+   * percent of the skeleton's diagonal.
+   */
+  double shift_limit;
+} MlgJoint;
+
+/**
+ * A bone to make a skeleton of.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Its name, UTF-8, unique.
+   */
+  const char *name;
+  /**
+   * Its surface; may be freed afterwards.
+   */
+  const MlgTriMesh *surface;
+} MlgBone;
+
+/**
+ * How to register. Set with `mlg_registration_options_init`. Lengths are in the template's unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * 1 (default): many orientations of the template are tried. 0: it already lies where the person
+   * is.
+   */
+  uint32_t align;
+  /**
+   * 1: the loop as published, for comparison. 0 (default): the improved one.
+   */
+  uint32_t paper;
+  /**
+   * Iterations per level at most; 0 (default): 30.
+   */
+  uint32_t max_iterations;
+  /**
+   * Threads to use; 0 (default): all. The result does not depend on it.
+   */
+  uint32_t thread_count;
+  /**
+   * Cluster radii from coarse to fine, INFINITY for one cluster; NULL (default): as the skeleton's
+   * file says, else chosen from its size. Read during the call only.
+   */
+  const double *radii;
+  /**
+   * Number of radii.
+   */
+  size_t radius_count;
+} MlgRegistrationOptions;
+
+/**
+ * The course of a registration. Lengths are in the template's unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * 1 if it was stopped on request before its end.
+   */
+  uint32_t cancelled;
+  /**
+   * Closest-point iterations.
+   */
+  uint32_t iterations;
+  /**
+   * Bones that fit much worse than the others.
+   */
+  uint32_t suspicious_bones;
+  /**
+   * Joints outside their limits.
+   */
+  uint32_t joints_outside;
+  /**
+   * Mean of the bones' mean residuals.
+   */
+  double mean_residual;
+  /**
+   * Largest residual of any bone.
+   */
+  double max_residual;
+  /**
+   * Seconds it took.
+   */
+  double seconds;
+} MlgRegistrationSummary;
+
+/**
+ * How a bone fits. Lengths are in the template's unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Mean distance to the target, both ways.
+   */
+  double mean_residual;
+  /**
+   * Largest such distance.
+   */
+  double max_residual;
+  /**
+   * Share of the bone's area that the target shows, 0 to 1.
+   */
+  double seen;
+  /**
+   * 1 if it fits much worse than the others: perhaps it lies on a neighbour's surface.
+   */
+  uint32_t suspicious;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+} MlgBoneFit;
+
+/**
+ * How a joint stands. Lengths are in the template's unit, angles in radians.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Its centre.
+   */
+  double centre[3];
+  /**
+   * Rotation vector of the child's frame seen from the parent's.
+   */
+  double rotation[3];
+  /**
+   * Share of the allowed rotation that is used; 1: on the limit.
+   */
+  double usage;
+  /**
+   * Rotation beyond the limit.
+   */
+  double excess_rotation;
+  /**
+   * Distance of the two frames' origins.
+   */
+  double shift;
+  /**
+   * Shift beyond the limit.
+   */
+  double excess_shift;
+  /**
+   * Distance of the two bones' estimates of the centre before they were joined.
+   */
+  double seam;
+} MlgJointPose;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1306,6 +1535,246 @@ MlgStatus mlg_volume_label_markers(const MlgVolume *labels,
                                    const MlgClicks *clicks,
                                    MlgMarkers **out_markers,
                                    MlgError *error);
+
+/**
+ * Writes the defaults of a joint. `struct_size`: `sizeof *out_joint`.
+ */
+MlgStatus mlg_joint_init(MlgJoint *out_joint, size_t struct_size);
+
+/**
+ * Makes a skeleton from arrays, which are copied. `bones`: `bone_count` elements, at least one.
+ * `joints`: `joint_count` elements; may be NULL if that is 0. All elements of an array have the same
+ * `struct_size`. Free with `mlg_skeleton_free`.
+ */
+MlgStatus mlg_skeleton_new(const MlgBone *bones,
+                           size_t bone_count,
+                           const MlgJoint *joints,
+                           size_t joint_count,
+                           MlgSkeleton **out_skeleton,
+                           MlgError *error);
+
+/**
+ * Number of bones; 0 for a handle that is not valid.
+ */
+size_t mlg_skeleton_bone_count(const MlgSkeleton *skeleton);
+
+/**
+ * Number of joints; 0 for a handle that is not valid.
+ */
+size_t mlg_skeleton_joint_count(const MlgSkeleton *skeleton);
+
+/**
+ * The name of a bone: UTF-8, borrowed until the skeleton is freed. NULL if `bone` is not below the
+ * count or the handle is not valid.
+ */
+const char *mlg_skeleton_bone_name(const MlgSkeleton *skeleton, size_t bone);
+
+/**
+ * The points of a bone: `3 * *out_count` coordinates, borrowed until the skeleton is freed. NULL if
+ * `bone` is not below the count or the handle is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_skeleton_bone_points(const MlgSkeleton *skeleton, size_t bone, size_t *out_count);
+
+/**
+ * The triangles of a bone: `3 * *out_count` indices of its own points, borrowed until the skeleton
+ * is freed. NULL if `bone` is not below the count or the handle is not valid. `out_count`: may be
+ * NULL.
+ */
+const uint32_t *mlg_skeleton_bone_triangles(const MlgSkeleton *skeleton,
+                                            size_t bone,
+                                            size_t *out_count);
+
+/**
+ * The points of all bones, one bone after the other, as previews have them: `3 * *out_count`
+ * coordinates, borrowed until the skeleton is freed. NULL for a handle that is not valid.
+ * `out_count`: may be NULL.
+ */
+const double *mlg_skeleton_points(const MlgSkeleton *skeleton, size_t *out_count);
+
+/**
+ * Tells all about a joint, its frames included. `out_joint`: its `struct_size` must be set.
+ */
+MlgStatus mlg_skeleton_joint(const MlgSkeleton *skeleton,
+                             size_t joint,
+                             MlgJoint *out_joint,
+                             MlgError *error);
+
+/**
+ * The named angles of the joints in the skeleton's pose: `*out_count` numbers, radians, borrowed
+ * until the skeleton is freed. NULL without such angles or for a handle that is not valid.
+ * `out_count`: may be NULL.
+ */
+const double *mlg_skeleton_angles(const MlgSkeleton *skeleton, size_t *out_count);
+
+/**
+ * The name of an angle: UTF-8, borrowed until the skeleton is freed. NULL if `angle` is not below
+ * the count or the handle is not valid.
+ */
+const char *mlg_skeleton_angle_name(const MlgSkeleton *skeleton, size_t angle);
+
+/**
+ * Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_skeleton_free(MlgSkeleton *skeleton);
+
+/**
+ * Reads a skeleton from a `.skeleton.json` file (its bones' surfaces lie where it says) or an
+ * OpenSim 4 `.osim` model (surfaces beside it or in `Geometry/`). `path`: UTF-8. Free with
+ * `mlg_skeleton_free`.
+ */
+MlgStatus mlg_skeleton_load(const char *path, MlgSkeleton **out_skeleton, MlgError *error);
+
+/**
+ * What was left out when the skeleton was read, one sentence per line: UTF-8, borrowed until the
+ * skeleton is freed; empty if nothing was. NULL for a handle that is not valid.
+ */
+const char *mlg_skeleton_notes(const MlgSkeleton *skeleton);
+
+/**
+ * Writes a skeleton: a name that ends in `.json` takes the skeleton file, with the bones as `.obj`
+ * in `bones/` beside it (texture coordinates and groups of bones that were read as `.obj` are kept);
+ * `.glb` takes a scene in which each bone hangs on its joint. Soft tissues are not written. `path`:
+ * UTF-8.
+ */
+MlgStatus mlg_skeleton_save(const MlgSkeleton *skeleton,
+                            const char *path,
+                            MlgError *error);
+
+/**
+ * Writes a skeleton as a scene `.glb` that moves as an OpenSim motion says.
+ *
+ * `motion_path`: a `.mot` or `.sto` file. `flipped`: `flipped_count` names of angles whose sign is
+ * the opposite of the skeleton's; may be NULL if that is 0. `unit_in_metres`: of the skeleton; 0: as
+ * its file says, else millimetres.
+ */
+MlgStatus mlg_skeleton_save_motion(const MlgSkeleton *skeleton,
+                                   const char *motion_path,
+                                   const char *const *flipped,
+                                   size_t flipped_count,
+                                   double unit_in_metres,
+                                   const char *path,
+                                   MlgError *error);
+
+/**
+ * Writes the defaults. `struct_size`: `sizeof *out_options`.
+ */
+MlgStatus mlg_registration_options_init(MlgRegistrationOptions *out_options, size_t struct_size);
+
+/**
+ * Makes a registration of a template, without a target yet. Free with `mlg_registration_free`.
+ */
+MlgStatus mlg_registration_new(const MlgSkeleton *template_skeleton,
+                               MlgRegistration **out_problem,
+                               MlgError *error);
+
+/**
+ * Sets one surface of all the person's bones, which may be fused; replaces earlier targets. Its
+ * normals point outwards.
+ */
+MlgStatus mlg_registration_set_target(MlgRegistration *problem,
+                                      const MlgTriMesh *surface,
+                                      MlgError *error);
+
+/**
+ * Sets the person's surface of one bone, a number from 0; a target for all bones is dropped. Bones
+ * without a surface follow their joints.
+ */
+MlgStatus mlg_registration_set_bone_target(MlgRegistration *problem,
+                                           size_t bone,
+                                           const MlgTriMesh *surface,
+                                           MlgError *error);
+
+/**
+ * Starts a registration on a thread of its own and returns at once. The problem is copied: it may be
+ * changed or freed while the run goes on. `options`: NULL for the defaults. Free the run with
+ * `mlg_run_free`.
+ */
+MlgStatus mlg_registration_start(const MlgRegistration *problem,
+                                 const MlgRegistrationOptions *options,
+                                 MlgRun **out_run,
+                                 MlgError *error);
+
+/**
+ * Waits for the end of a registration and hands its result over, once. A cancelled run gives what it
+ * has, marked by `cancelled` in its summary. Free the result with `mlg_registration_result_free`,
+ * and the run with `mlg_run_free`.
+ */
+MlgStatus mlg_run_wait_registration(MlgRun *run,
+                                    MlgRegistrationResult **out_result,
+                                    MlgError *error);
+
+/**
+ * Registers and returns when it is done: `mlg_registration_start` and `mlg_run_wait_registration` in
+ * one. Free the result with `mlg_registration_result_free`.
+ */
+MlgStatus mlg_registration_run(const MlgRegistration *problem,
+                               const MlgRegistrationOptions *options,
+                               MlgRegistrationResult **out_result,
+                               MlgError *error);
+
+/**
+ * Frees a registration. NULL and handles freed already are allowed. Runs started from it go on.
+ */
+void mlg_registration_free(MlgRegistration *problem);
+
+/**
+ * The person's skeleton: bones in the template's vertex order, joint frames inside all limits. It is
+ * an object of its own and may be the template of another registration. Free with
+ * `mlg_skeleton_free`.
+ */
+MlgStatus mlg_registration_result_skeleton(const MlgRegistrationResult *result,
+                                           MlgSkeleton **out_skeleton,
+                                           MlgError *error);
+
+/**
+ * Tells how it went. `out_summary`: its `struct_size` must be set.
+ */
+MlgStatus mlg_registration_result_summary(const MlgRegistrationResult *result,
+                                          MlgRegistrationSummary *out_summary,
+                                          MlgError *error);
+
+/**
+ * Tells how a bone, a number from 0, fits. `out_fit`: its `struct_size` must be set.
+ */
+MlgStatus mlg_registration_result_bone_fit(const MlgRegistrationResult *result,
+                                           size_t bone,
+                                           MlgBoneFit *out_fit,
+                                           MlgError *error);
+
+/**
+ * Tells how a joint, a number from 0, stands to its limits. `out_pose`: its `struct_size` must be
+ * set.
+ */
+MlgStatus mlg_registration_result_joint_pose(const MlgRegistrationResult *result,
+                                             size_t joint,
+                                             MlgJointPose *out_pose,
+                                             MlgError *error);
+
+/**
+ * Carries a soft tissue surface along with the bones; takes seconds for large ones.
+ *
+ * `tissue`: in the template's pose. `out_points`: room for 3 coordinates per point of it.
+ */
+MlgStatus mlg_registration_result_carry(const MlgRegistrationResult *result,
+                                        const MlgTriMesh *tissue,
+                                        double *out_points,
+                                        MlgError *error);
+
+/**
+ * Writes what to look at, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
+ * `capacity` bytes; empty if there is nothing. `buffer` may be NULL if `capacity` is 0.
+ * `out_length`: bytes of the whole text without the zero; may be NULL.
+ */
+MlgStatus mlg_registration_result_warnings(const MlgRegistrationResult *result,
+                                           char *buffer,
+                                           size_t capacity,
+                                           size_t *out_length,
+                                           MlgError *error);
+
+/**
+ * Frees a result. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_registration_result_free(MlgRegistrationResult *result);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -25,6 +25,10 @@ fn the_header_is_up_to_date() {
         "reshaping_run",
         "result",
         "volume",
+        "skeleton",
+        "skeleton_files",
+        "registration",
+        "registration_result",
     ] {
         builder = builder.with_src(root.join(format!("src/capi/{file}.rs")));
     }

@@ -63,6 +63,12 @@ pub(super) unsafe fn index_rows<const N: usize>(
     Ok(unsafe { elements(pointer.cast::<[u32; N]>(), count, name)? }.to_vec())
 }
 
+/// Numbers of any kind.
+pub(super) unsafe fn numbers(pointer: *const f64, count: usize, name: &str) -> Outcome<Vec<f64>> {
+    // SAFETY: passed on from the caller.
+    Ok(unsafe { elements(pointer, count, name)? }.to_vec())
+}
+
 /// Weights, or 1 throughout for NULL.
 pub(super) unsafe fn weights(pointer: *const f64, count: usize) -> Outcome<Vec<f64>> {
     if pointer.is_null() {
@@ -230,6 +236,41 @@ pub(super) unsafe fn fill<T: Versioned>(out: *mut T, value: T, name: &str) -> Ou
     let size = unsafe { out.cast::<usize>().read() };
     // SAFETY: passed on from the caller.
     unsafe { write_versioned(out, size, value, name) }
+}
+
+/// A list of the caller's structs over `defaults`, all of the size that the first one says.
+pub(super) unsafe fn structs<T: Versioned>(
+    pointer: *const T,
+    count: usize,
+    defaults: T,
+    name: &str,
+) -> Outcome<Vec<T>> {
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    if pointer.is_null() {
+        return Err(Failure::null(name));
+    }
+    // SAFETY: the caller promises structs that begin with their size.
+    let size = unsafe { pointer.cast::<usize>().read() };
+    check_size::<T>(size)?;
+    if count > isize::MAX as usize / size {
+        return Err(Failure::invalid(format!("{name}: {count} elements do not fit in memory")));
+    }
+    let mut list = Vec::with_capacity(count.min(1024));
+    for i in 0..count {
+        // SAFETY: the caller promises `count` structs of `size` bytes.
+        let element = unsafe { pointer.byte_add(i * size) };
+        // SAFETY: as above.
+        if unsafe { element.cast::<usize>().read() } != size {
+            return Err(Failure::invalid(format!(
+                "{name}: element {i} has another struct_size than the first one"
+            )));
+        }
+        // SAFETY: as above.
+        list.push(unsafe { options(element, defaults)? });
+    }
+    Ok(list)
 }
 
 unsafe fn copy_prefix<T>(from: *const T, to: *mut T, size: usize) {

@@ -1,0 +1,270 @@
+//! What a registration gave.
+
+use libc::c_char;
+use std::sync::Arc;
+
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::buffers::{self, Versioned};
+use super::handles;
+use super::mesh::{MlgTriMesh, Surface};
+use super::skeleton::{MlgSkeleton, SkeletonObject};
+use crate::job::{registration_warnings, result_document};
+use crate::register::Registered;
+use crate::register::transfer::carry_soft_tissue;
+
+/// A registered skeleton. Immutable; may be read from many threads.
+pub struct MlgRegistrationResult;
+
+/// The course of a registration. Lengths are in the template's unit.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct MlgRegistrationSummary {
+    /// `sizeof` this struct in the caller's header; set by the caller.
+    pub struct_size: usize,
+    /// 1 if it was stopped on request before its end.
+    pub cancelled: u32,
+    /// Closest-point iterations.
+    pub iterations: u32,
+    /// Bones that fit much worse than the others.
+    pub suspicious_bones: u32,
+    /// Joints outside their limits.
+    pub joints_outside: u32,
+    /// Mean of the bones' mean residuals.
+    pub mean_residual: f64,
+    /// Largest residual of any bone.
+    pub max_residual: f64,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+// SAFETY: repr(C), plain numbers, size first.
+unsafe impl Versioned for MlgRegistrationSummary {}
+
+/// How a bone fits. Lengths are in the template's unit.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct MlgBoneFit {
+    /// `sizeof` this struct in the caller's header; set by the caller.
+    pub struct_size: usize,
+    /// Mean distance to the target, both ways.
+    pub mean_residual: f64,
+    /// Largest such distance.
+    pub max_residual: f64,
+    /// Share of the bone's area that the target shows, 0 to 1.
+    pub seen: f64,
+    /// 1 if it fits much worse than the others: perhaps it lies on a neighbour's surface.
+    pub suspicious: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+// SAFETY: repr(C), plain numbers, size first.
+unsafe impl Versioned for MlgBoneFit {}
+
+/// How a joint stands. Lengths are in the template's unit, angles in radians.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct MlgJointPose {
+    /// `sizeof` this struct in the caller's header; set by the caller.
+    pub struct_size: usize,
+    /// Its centre.
+    pub centre: [f64; 3],
+    /// Rotation vector of the child's frame seen from the parent's.
+    pub rotation: [f64; 3],
+    /// Share of the allowed rotation that is used; 1: on the limit.
+    pub usage: f64,
+    /// Rotation beyond the limit.
+    pub excess_rotation: f64,
+    /// Distance of the two frames' origins.
+    pub shift: f64,
+    /// Shift beyond the limit.
+    pub excess_shift: f64,
+    /// Distance of the two bones' estimates of the centre before they were joined.
+    pub seam: f64,
+}
+
+// SAFETY: repr(C), plain numbers, size first.
+unsafe impl Versioned for MlgJointPose {}
+
+/// Beyond its limits by less than this a joint counts as inside: radians, share of a length unit.
+const NUMERICALLY_INSIDE: f64 = 1e-5;
+
+pub(super) struct RegistrationResult {
+    template: Arc<SkeletonObject>,
+    registered: Registered,
+    seconds: f64,
+}
+
+impl RegistrationResult {
+    pub fn new(template: Arc<SkeletonObject>, registered: Registered, seconds: f64) -> Self {
+        Self { template, registered, seconds }
+    }
+
+    fn summary(&self) -> MlgRegistrationSummary {
+        let (bones, joints) = (&self.registered.bones, &self.registered.joints);
+        let outside = |j: &&crate::register::summary::JointSummary| {
+            j.excess_degrees.to_radians() > NUMERICALLY_INSIDE
+                || j.excess_shift > NUMERICALLY_INSIDE
+        };
+        MlgRegistrationSummary {
+            struct_size: size_of::<MlgRegistrationSummary>(),
+            cancelled: u32::from(self.registered.cancelled),
+            iterations: self.registered.iterations() as u32,
+            suspicious_bones: bones.iter().filter(|b| b.suspicious).count() as u32,
+            joints_outside: joints.iter().filter(outside).count() as u32,
+            mean_residual: bones.iter().map(|b| b.mean_residual).sum::<f64>()
+                / bones.len().max(1) as f64,
+            max_residual: bones.iter().map(|b| b.max_residual).fold(0.0, f64::max),
+            seconds: self.seconds,
+        }
+    }
+}
+
+/// The person's skeleton: bones in the template's vertex order, joint frames inside all limits. It is
+/// an object of its own and may be the template of another registration. Free with
+/// `mlg_skeleton_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_skeleton(
+    result: *const MlgRegistrationResult,
+    out_skeleton: *mut *mut MlgSkeleton,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_skeleton, "out_skeleton")?;
+        let result = object(result)?;
+        let document = result_document(&result.template.document, &result.registered);
+        let skeleton = result.registered.skeleton.clone();
+        let surfaces = result.template.surfaces.clone();
+        let handle = handles::give(SkeletonObject::new(document, skeleton, surfaces, &[]));
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write(out_skeleton, handle, "out_skeleton") }
+    })
+}
+
+/// Tells how it went. `out_summary`: its `struct_size` must be set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_summary(
+    result: *const MlgRegistrationResult,
+    out_summary: *mut MlgRegistrationSummary,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = object(result)?;
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::fill(out_summary, result.summary(), "out_summary") }
+    })
+}
+
+/// Tells how a bone, a number from 0, fits. `out_fit`: its `struct_size` must be set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_bone_fit(
+    result: *const MlgRegistrationResult,
+    bone: usize,
+    out_fit: *mut MlgBoneFit,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = object(result)?;
+        let found = entry(&result.registered.bones, bone, "bone")?;
+        let fit = MlgBoneFit {
+            struct_size: size_of::<MlgBoneFit>(),
+            mean_residual: found.mean_residual,
+            max_residual: found.max_residual,
+            seen: found.seen,
+            suspicious: u32::from(found.suspicious),
+            reserved: 0,
+        };
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::fill(out_fit, fit, "out_fit") }
+    })
+}
+
+/// Tells how a joint, a number from 0, stands to its limits. `out_pose`: its `struct_size` must be
+/// set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_joint_pose(
+    result: *const MlgRegistrationResult,
+    joint: usize,
+    out_pose: *mut MlgJointPose,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = object(result)?;
+        let found = entry(&result.registered.joints, joint, "joint")?;
+        let pose = MlgJointPose {
+            struct_size: size_of::<MlgJointPose>(),
+            centre: found.centre.into(),
+            rotation: found.rotation.into(),
+            usage: found.usage,
+            excess_rotation: found.excess_degrees.to_radians(),
+            shift: found.shift,
+            excess_shift: found.excess_shift,
+            seam: found.seam,
+        };
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::fill(out_pose, pose, "out_pose") }
+    })
+}
+
+/// Carries a soft tissue surface along with the bones; takes seconds for large ones.
+///
+/// `tissue`: in the template's pose. `out_points`: room for 3 coordinates per point of it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_carry(
+    result: *const MlgRegistrationResult,
+    tissue: *const MlgTriMesh,
+    out_points: *mut f64,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_points, "out_points")?;
+        let result = object(result)?;
+        let tissue = handles::get::<Surface, _>(tissue, "tissue")?;
+        tissue.check_triangles("tissue")?;
+        let bones = &result.registered.skeleton.points;
+        let carried = carry_soft_tissue(&result.template.skeleton, bones, &tissue.mesh)?;
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::copy_points(&carried, out_points, carried.len()) }
+    })
+}
+
+/// Writes what to look at, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
+/// `capacity` bytes; empty if there is nothing. `buffer` may be NULL if `capacity` is 0.
+/// `out_length`: bytes of the whole text without the zero; may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_warnings(
+    result: *const MlgRegistrationResult,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = object(result)?;
+        let text = registration_warnings(&result.template.skeleton, &result.registered).join("\n");
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
+    })
+}
+
+/// Frees a result. NULL and handles freed already are allowed. Objects made from it stay valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_free(result: *mut MlgRegistrationResult) {
+    guard_or((), || {
+        handles::free::<RegistrationResult, _>(result);
+        Ok(())
+    });
+}
+
+fn object(result: *const MlgRegistrationResult) -> Outcome<Arc<RegistrationResult>> {
+    handles::get::<RegistrationResult, _>(result, "result")
+}
+
+fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Outcome<&'a T> {
+    list.get(index).ok_or_else(|| {
+        Failure::invalid(format!(
+            "{what} {index} does not exist: there are {} (numbered from 0)",
+            list.len()
+        ))
+    })
+}

@@ -1,0 +1,163 @@
+//! Skeleton files, read and written.
+
+use libc::c_char;
+use std::path::Path;
+use std::ptr;
+use std::sync::Arc;
+
+use super::boundary::{Failure, MlgError, MlgStatus, guard, guard_or};
+use super::mesh::Surface;
+use super::skeleton::{MlgSkeleton, SkeletonObject};
+use super::{buffers, handles};
+use crate::error::Result;
+use crate::io::gltf::write_glb;
+use crate::io::{write_beside, write_surface};
+use crate::job::skeleton_build::{build_skeleton, skeleton_document};
+use crate::job::{
+    file_name, metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene,
+};
+use crate::mesh::TriMesh;
+use crate::register::animation::Motion;
+
+/// Reads a skeleton from a `.skeleton.json` file (its bones' surfaces lie where it says) or an
+/// OpenSim 4 `.osim` model (surfaces beside it or in `Geometry/`). `path`: UTF-8. Free with
+/// `mlg_skeleton_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_load(
+    path: *const c_char,
+    out_skeleton: *mut *mut MlgSkeleton,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_skeleton, "out_skeleton")?;
+        // SAFETY: the caller's promise (see the module).
+        let path = unsafe { buffers::path(path, "path")? };
+        let object = if has_extension(&path, "osim") { load_osim(&path) } else { load(&path) };
+        // SAFETY: as above.
+        unsafe { buffers::write(out_skeleton, handles::give(object?), "out_skeleton") }
+    })
+}
+
+fn load(path: &Path) -> Result<SkeletonObject> {
+    let files = read_skeleton(path)?;
+    let mut surfaces = Vec::new();
+    for file in files.surfaces {
+        surfaces.push(Arc::new(Surface { mesh: file.mesh()?, file: Some(file) }));
+    }
+    Ok(SkeletonObject::new(files.document, files.skeleton, surfaces, &[]))
+}
+
+fn load_osim(path: &Path) -> Result<SkeletonObject> {
+    let (document, meshes, notes) = read_osim_skeleton(path)?;
+    let skeleton = build_skeleton(&document, meshes.clone())?;
+    let surfaces = meshes.into_iter().map(|mesh| Arc::new(Surface { mesh, file: None })).collect();
+    Ok(SkeletonObject::new(document, skeleton, surfaces, &notes))
+}
+
+/// What was left out when the skeleton was read, one sentence per line: UTF-8, borrowed until the
+/// skeleton is freed; empty if nothing was. NULL for a handle that is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_notes(skeleton: *const MlgSkeleton) -> *const c_char {
+    guard_or(ptr::null(), || {
+        Ok(handles::get::<SkeletonObject, _>(skeleton, "skeleton")?.notes.as_ptr())
+    })
+}
+
+/// Writes a skeleton: a name that ends in `.json` takes the skeleton file, with the bones as `.obj`
+/// in `bones/` beside it (texture coordinates and groups of bones that were read as `.obj` are kept);
+/// `.glb` takes a scene in which each bone hangs on its joint. Soft tissues are not written. `path`:
+/// UTF-8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_save(
+    skeleton: *const MlgSkeleton,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
+        // SAFETY: the caller's promise (see the module).
+        let path = unsafe { buffers::path(path, "path")? };
+        if has_extension(&path, "json") {
+            return Ok(save_json(&object, &path)?);
+        }
+        if has_extension(&path, "glb") {
+            let unit = metres_per_unit(object.document.units.as_deref());
+            return Ok(write_glb(&path, &scene(&object.skeleton, None, unit)?)?);
+        }
+        Err(Failure {
+            status: MlgStatus::Unsupported,
+            message: format!("{}: skeletons are written as .skeleton.json or .glb", path.display()),
+        })
+    })
+}
+
+fn save_json(object: &SkeletonObject, path: &Path) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut document = skeleton_document(&object.skeleton);
+    let known = &object.document;
+    document.units.clone_from(&known.units);
+    document.frame.clone_from(&known.frame);
+    document.clusters.clone_from(&known.clusters);
+    document.result.clone_from(&known.result);
+    for (entry, own) in document.joints.iter_mut().zip(&known.joints) {
+        entry.axes.clone_from(&own.axes);
+        entry.source.clone_from(&own.source);
+    }
+    for ((entry, bone), surface) in
+        document.bones.iter_mut().zip(&object.skeleton.bones).zip(&object.surfaces)
+    {
+        entry.mesh = format!("bones/{}.obj", file_name(&bone.name));
+        let points = object.skeleton.points[bone.vertices.clone()].to_vec();
+        let to = folder.join(&entry.mesh);
+        if let Some(file) = &surface.file {
+            file.write_with_points(&to, &points)?;
+        } else {
+            let triangles = surface.mesh.triangles.clone();
+            write_surface(&to, &TriMesh { points, triangles })?;
+        }
+    }
+    let text = document.to_text()?;
+    write_beside(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// Writes a skeleton as a scene `.glb` that moves as an OpenSim motion says.
+///
+/// `motion_path`: a `.mot` or `.sto` file. `flipped`: `flipped_count` names of angles whose sign is
+/// the opposite of the skeleton's; may be NULL if that is 0. `unit_in_metres`: of the skeleton; 0: as
+/// its file says, else millimetres.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_save_motion(
+    skeleton: *const MlgSkeleton,
+    motion_path: *const c_char,
+    flipped: *const *const c_char,
+    flipped_count: usize,
+    unit_in_metres: f64,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
+        // SAFETY: the caller's promise (see the module).
+        let motion_path = unsafe { buffers::path(motion_path, "motion_path")? };
+        // SAFETY: as above.
+        let flipped = unsafe { buffers::texts(flipped, flipped_count, "flipped")? };
+        // SAFETY: as above.
+        let path = unsafe { buffers::path(path, "path")? };
+        let unit = match unit_in_metres {
+            0.0 => metres_per_unit(object.document.units.as_deref()),
+            unit if unit > 0.0 && unit.is_finite() => unit,
+            other => {
+                return Err(Failure::invalid(format!(
+                    "unit_in_metres is {other}; it must be above 0, or 0"
+                )));
+            }
+        };
+        let flipped: Vec<String> = flipped.into_iter().flatten().collect();
+        let motion: Motion = read_motion(&motion_path, &flipped)?;
+        Ok(write_glb(&path, &scene(&object.skeleton, Some(&motion), unit)?)?)
+    })
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
