@@ -48,12 +48,23 @@ public:
     Owner() = default;
     explicit Owner(Handle *handle) : handle_(handle) {}
     Handle *get() const noexcept { return handle_.get(); }
+    const Handle *as_const() const noexcept { return handle_.get(); }
 
 protected:
+    /** A text that a C function writes into a buffer. */
+    template <class Function> static std::string text(Function function, const Handle *handle) {
+        std::size_t length = 0;
+        call(function, handle, nullptr, std::size_t(0), &length);
+        std::string text(length + 1, '\0');
+        call(function, handle, &text[0], text.size(), &length);
+        text.resize(length);
+        return text;
+    }
+
     /** Makes a handle by a C function whose last arguments are the out handle and the error. */
-    template <class Function, class... Arguments>
-    static Handle *make(Function function, Arguments... arguments) {
-        Handle *handle = nullptr;
+    template <class Made = Handle, class Function, class... Arguments>
+    static Made *make(Function function, Arguments... arguments) {
+        Made *handle = nullptr;
         call(function, arguments..., &handle);
         return handle;
     }
@@ -82,6 +93,31 @@ public:
     explicit TriMesh(const std::string &path) : Owner(make(mlg_tri_mesh_load, path.c_str())) {}
     View<double> points() const { return view(mlg_tri_mesh_points, 3); }
     View<std::uint32_t> triangles() const { return view(mlg_tri_mesh_triangles, 3); }
+    /** Distance of each vertex to the nearest of some points. */
+    std::vector<double> distances_to(View<double> to) const {
+        std::vector<double> distances(points().size / 3);
+        call(mlg_tri_mesh_distances_to_points, as_const(), to.data, to.size / 3, distances.data());
+        return distances;
+    }
+    /** Distance of each of some points to the surface. */
+    std::vector<double> distances_of(View<double> of) const {
+        std::vector<double> distances(of.size / 3);
+        call(mlg_tri_mesh_distances_of_points, as_const(), of.data, of.size / 3, distances.data());
+        return distances;
+    }
+    /** Where the template has to go so that the markers lie on it: a 4x4 matrix, row by row. Landmarks
+     * and their targets may be left out. */
+    std::vector<double> align(std::uint32_t freedom, View<double> markers,
+                              View<double> landmarks = {}, View<double> targets = {}) const {
+        if (landmarks.size != targets.size)
+            throw Error(MLG_STATUS_INVALID_ARGUMENT, "as many targets as landmarks are needed");
+        std::vector<double> matrix(16);
+        call(mlg_tri_mesh_align, as_const(), freedom, markers.data, markers.size / 3, landmarks.data,
+             targets.data, landmarks.size / 3, matrix.data());
+        return matrix;
+    }
+    /** What is wrong with the surface, one sentence per line; empty for a clean, closed one. */
+    std::string check() const { return text(mlg_tri_mesh_check, as_const()); }
     /** Writes the surface with moved points, or its own when none are given. */
     void save(const std::string &path, View<double> points = {}) const {
         call(mlg_tri_mesh_save, get(), points.data, points.size / 3, path.c_str());
@@ -90,9 +126,38 @@ public:
 
 class Markers : public Owner<MlgMarkers, mlg_markers_free> {
 public:
+    explicit Markers(const std::vector<double> &points, const std::vector<double> &weights = {})
+        : Owner(make(mlg_markers_new, points.data(), weights.empty() ? nullptr : weights.data(),
+                     nullptr, points.size() / 3)) {}
     explicit Markers(const std::string &path) : Owner(make(mlg_markers_load, path.c_str())) {}
     View<double> points() const { return view(mlg_markers_points, 3); }
     View<double> weights() const { return view(mlg_markers_weights, 1); }
+    void save(const std::string &path) const { call(mlg_markers_save, as_const(), path.c_str()); }
+};
+
+/** Places on a template with their targets: landmarks or attachments. */
+class Pairs : public Owner<MlgPairs, mlg_pairs_free> {
+public:
+    /** From a file of pairs, or from two marker files paired by label. */
+    static Pairs landmarks(const TriMesh &surface, const std::string &path,
+                           const std::string &person_path = "") {
+        const char *person = person_path.empty() ? nullptr : person_path.c_str();
+        return Pairs(make(mlg_pairs_load_landmarks, surface.as_const(), path.c_str(), person));
+    }
+    static Pairs attachments(const TriMesh &surface, const std::string &path, bool keep_gap = true) {
+        return Pairs(make(mlg_pairs_load_attachments, surface.as_const(), path.c_str(),
+                          std::uint32_t(keep_gap)));
+    }
+    static Pairs bone(const TriMesh &surface, const TriMesh &bone, const TriMesh &person_bone,
+                      double distance) {
+        return Pairs(make(mlg_pairs_from_bone, surface.as_const(), bone.as_const(),
+                          person_bone.as_const(), distance));
+    }
+    View<double> template_points() const { return view(mlg_pairs_template_points, 3); }
+    View<double> targets() const { return view(mlg_pairs_targets, 3); }
+
+private:
+    using Owner::Owner;
 };
 
 inline MlgTetrahedralizationOptions tetrahedralization_options() {
@@ -103,13 +168,19 @@ inline MlgTetrahedralizationOptions tetrahedralization_options() {
 
 class Tetrahedralization : public Owner<MlgTetrahedralization, mlg_tetrahedralization_free> {
 public:
+    using Owner::Owner;
     explicit Tetrahedralization(
         const TriMesh &surface,
         const MlgTetrahedralizationOptions &options = tetrahedralization_options())
-        : Owner(make(mlg_tetrahedralization_run, static_cast<const MlgTriMesh *>(surface.get()),
-                     &options)) {}
+        : Owner(make(mlg_tetrahedralization_run, surface.as_const(), &options)) {}
     View<double> points() const { return view(mlg_tetrahedralization_points, 3); }
     View<std::uint32_t> tets() const { return view(mlg_tetrahedralization_tets, 4); }
+    MlgTetQuality quality() const {
+        MlgTetQuality quality = {};
+        quality.struct_size = sizeof quality;
+        call(mlg_tetrahedralization_quality, as_const(), &quality);
+        return quality;
+    }
     std::vector<std::string> warnings() const {
         std::vector<std::string> all;
         for (std::size_t i = 0; i < mlg_tetrahedralization_warning_count(get()); ++i)
@@ -124,6 +195,8 @@ public:
     View<double> points() const { return view(mlg_reshaping_result_points, 3); }
     View<double> tet_points() const { return view(mlg_reshaping_result_tet_points, 3); }
     View<double> marker_distances() const { return view(mlg_reshaping_result_marker_distances, 1); }
+    View<double> max_stretches() const { return view(mlg_reshaping_result_max_stretches, 1); }
+    View<double> min_stretches() const { return view(mlg_reshaping_result_min_stretches, 1); }
     MlgReshapingSummary summary() const {
         MlgReshapingSummary summary = {};
         summary.struct_size = sizeof summary;
@@ -137,7 +210,69 @@ public:
     }
 };
 
-/** A reshaping under way; leaving its scope cancels it and waits for its end. */
+/** Bones and joints. */
+class Skeleton : public Owner<MlgSkeleton, mlg_skeleton_free> {
+public:
+    using Owner::Owner;
+    explicit Skeleton(const std::string &path) : Owner(make(mlg_skeleton_load, path.c_str())) {}
+    Skeleton(const std::vector<MlgBone> &bones, const std::vector<MlgJoint> &joints)
+        : Owner(make(mlg_skeleton_new, bones.data(), bones.size(), joints.data(), joints.size())) {}
+    std::size_t bone_count() const { return mlg_skeleton_bone_count(get()); }
+    std::size_t joint_count() const { return mlg_skeleton_joint_count(get()); }
+    std::string bone_name(std::size_t bone) const {
+        const char *name = mlg_skeleton_bone_name(get(), bone);
+        return name == nullptr ? "" : name;
+    }
+    View<double> bone_points(std::size_t bone) const {
+        std::size_t count = 0;
+        const double *data = mlg_skeleton_bone_points(get(), bone, &count);
+        return {data, 3 * count};
+    }
+    View<std::uint32_t> bone_triangles(std::size_t bone) const {
+        std::size_t count = 0;
+        const std::uint32_t *data = mlg_skeleton_bone_triangles(get(), bone, &count);
+        return {data, 3 * count};
+    }
+    View<double> points() const { return view(mlg_skeleton_points, 3); }
+    MlgJoint joint(std::size_t number) const {
+        MlgJoint joint = {};
+        joint.struct_size = sizeof joint;
+        call(mlg_skeleton_joint, as_const(), number, &joint);
+        return joint;
+    }
+    void save(const std::string &path) const { call(mlg_skeleton_save, as_const(), path.c_str()); }
+};
+
+class RegistrationResult : public Owner<MlgRegistrationResult, mlg_registration_result_free> {
+public:
+    using Owner::Owner;
+    /** The person's skeleton. */
+    Skeleton skeleton() const {
+        return Skeleton(make<MlgSkeleton>(mlg_registration_result_skeleton, as_const()));
+    }
+    MlgRegistrationSummary summary() const {
+        MlgRegistrationSummary summary = {};
+        summary.struct_size = sizeof summary;
+        call(mlg_registration_result_summary, as_const(), &summary);
+        return summary;
+    }
+    MlgBoneFit bone_fit(std::size_t bone) const {
+        MlgBoneFit fit = {};
+        fit.struct_size = sizeof fit;
+        call(mlg_registration_result_bone_fit, as_const(), bone, &fit);
+        return fit;
+    }
+    /** Moves a soft tissue surface with the bones. */
+    std::vector<double> carry(const TriMesh &tissue) const {
+        std::vector<double> points(tissue.points().size);
+        call(mlg_registration_result_carry, as_const(), tissue.as_const(), points.data());
+        return points;
+    }
+    /** What to look at, one sentence per line. */
+    std::string warnings() const { return text(mlg_registration_result_warnings, as_const()); }
+};
+
+/** A computation under way; leaving its scope cancels it and waits for its end. */
 class Run : public Owner<MlgRun, mlg_run_free> {
 public:
     using Owner::Owner;
@@ -160,11 +295,24 @@ public:
         return points;
     }
     ReshapingResult wait() const {
-        MlgReshapingResult *result = nullptr;
-        call(mlg_run_wait_reshaping, get(), &result);
-        return ReshapingResult(result);
+        return ReshapingResult(make<MlgReshapingResult>(mlg_run_wait_reshaping, get()));
+    }
+    RegistrationResult wait_registration() const {
+        return RegistrationResult(make<MlgRegistrationResult>(mlg_run_wait_registration, get()));
+    }
+    Tetrahedralization wait_tets() const {
+        return Tetrahedralization(
+            make<MlgTetrahedralization>(mlg_run_wait_tetrahedralization, get()));
     }
 };
+
+/** Starts to fill a surface with tets. */
+inline Run start_tets(const TriMesh &surface, const MlgTetrahedralizationOptions &options =
+                                                  tetrahedralization_options()) {
+    MlgRun *run = nullptr;
+    call(mlg_tetrahedralization_start, surface.as_const(), &options, &run);
+    return Run(run);
+}
 
 inline MlgReshapingOptions reshaping_options() {
     MlgReshapingOptions options;
@@ -178,25 +326,33 @@ public:
     explicit Reshaping(const Tetrahedralization &tets)
         : Owner(make(mlg_reshaping_new, static_cast<const MlgTetrahedralization *>(tets.get()))) {}
     void set_markers(View<double> points, View<double> weights = {}) {
-        check(weights, points.size / 3);
+        check_size(weights, points.size / 3);
         call(mlg_reshaping_set_markers, get(), points.data, weights.data, points.size / 3);
     }
     void set_landmarks(View<double> places, View<double> targets, View<double> weights = {}) {
-        check(targets, places.size, weights);
+        check_size(targets, places.size, weights);
         call(mlg_reshaping_set_landmarks, get(), places.data, targets.data, weights.data,
              places.size / 3);
     }
     void set_attachments(View<double> places, View<double> targets, View<double> weights = {}) {
-        check(targets, places.size, weights);
+        check_size(targets, places.size, weights);
         call(mlg_reshaping_set_attachments, get(), places.data, targets.data, weights.data,
              places.size / 3);
     }
+    void set_landmarks(const Pairs &pairs) {
+        call(mlg_reshaping_set_landmark_pairs, get(), pairs.as_const());
+    }
+    void set_attachments(const Pairs &pairs) {
+        call(mlg_reshaping_set_attachment_pairs, get(), pairs.as_const());
+    }
+    /** What is suspicious, one sentence per line; throws if it cannot work. */
+    std::string check() const { return text(mlg_reshaping_check, as_const()); }
     void set_fixed(View<std::uint32_t> vertices) {
         call(mlg_reshaping_set_fixed, get(), vertices.data, vertices.size);
     }
     Run start(const MlgReshapingOptions &options = reshaping_options()) const {
         MlgRun *run = nullptr;
-        call(mlg_reshaping_start, static_cast<const MlgReshaping *>(get()), &options, &run);
+        call(mlg_reshaping_start, as_const(), &options, &run);
         return Run(run);
     }
     ReshapingResult run(const MlgReshapingOptions &options = reshaping_options()) const {
@@ -204,14 +360,47 @@ public:
     }
 
 private:
-    static void check(View<double> weights, std::size_t count) {
+    static void check_size(View<double> weights, std::size_t count) {
         if (weights.data != nullptr && weights.size != count)
             throw Error(MLG_STATUS_INVALID_ARGUMENT, "as many weights as points are needed");
     }
-    static void check(View<double> targets, std::size_t size, View<double> weights) {
+    static void check_size(View<double> targets, std::size_t size, View<double> weights) {
         if (targets.size != size)
             throw Error(MLG_STATUS_INVALID_ARGUMENT, "as many targets as places are needed");
-        check(weights, size / 3);
+        check_size(weights, size / 3);
+    }
+};
+
+inline MlgRegistrationOptions registration_options() {
+    MlgRegistrationOptions options;
+    mlg_registration_options_init(&options, sizeof options);
+    return options;
+}
+
+inline MlgJoint joint() {
+    MlgJoint joint;
+    mlg_joint_init(&joint, sizeof joint);
+    return joint;
+}
+
+/** A template skeleton and the surface it is to follow. */
+class Registration : public Owner<MlgRegistration, mlg_registration_free> {
+public:
+    explicit Registration(const Skeleton &skeleton)
+        : Owner(make(mlg_registration_new, skeleton.as_const())) {}
+    void set_target(const TriMesh &surface) {
+        call(mlg_registration_set_target, get(), surface.as_const());
+    }
+    void set_bone_target(std::size_t bone, const TriMesh &surface) {
+        call(mlg_registration_set_bone_target, get(), bone, surface.as_const());
+    }
+    Run start(const MlgRegistrationOptions &options = registration_options()) const {
+        MlgRun *run = nullptr;
+        call(mlg_registration_start, as_const(), &options, &run);
+        return Run(run);
+    }
+    RegistrationResult run(const MlgRegistrationOptions &options = registration_options()) const {
+        return start(options).wait_registration();
     }
 };
 
