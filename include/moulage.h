@@ -1393,6 +1393,14 @@ MlgStatus mlg_reshaping_result_carry(const MlgReshapingResult *result,
                                      MlgError *error);
 
 /**
+ * Writes the deformed tets as `.vtu` (VTK, for ParaView) with the plastic strain, its principal
+ * stretches and the inside fraction of each tet and the rest position of each point. `path`: UTF-8.
+ */
+MlgStatus mlg_reshaping_result_save_tets(const MlgReshapingResult *result,
+                                         const char *path,
+                                         MlgError *error);
+
+/**
  * Tells how it went. `out_summary`: its `struct_size` must be set.
  */
 MlgStatus mlg_reshaping_result_summary(const MlgReshapingResult *result,

@@ -26,11 +26,9 @@ run_core() {
 }
 
 run_c() {
-    install_debian gcc g++ cmake pkg-config valgrind binutils
+    install_debian gcc g++ cmake pkg-config valgrind binutils python3 tetgen
     bash tests/c/run.sh
-    prefix=$(mktemp -d)
-    bash tests/c/install.sh "$prefix"
-    rm -rf "$prefix"
+    bash tests/c/install.sh
 }
 
 # The Python package: its wheel in a fresh environment.

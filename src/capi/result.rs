@@ -1,12 +1,13 @@
 //! What a reshaping gave.
 
+use libc::c_char;
 use std::ptr;
 
 use super::boundary::{MlgError, MlgStatus, guard, guard_or};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::tetrahedralization::MlgTetQuality;
-use crate::job::{marker_distances, vertex_stretches};
+use crate::job::{marker_distances, vertex_stretches, write_deformed_tets};
 use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::mesh::TetQuality;
@@ -206,6 +207,24 @@ pub unsafe extern "C" fn mlg_reshaping_result_carry(
         let carried = embedding.apply(&result.reshaped.tet_points);
         // SAFETY: as above.
         unsafe { buffers::copy_points(&carried, out_points, count) }
+    })
+}
+
+/// Writes the deformed tets as `.vtu` (VTK, for ParaView) with the plastic strain, its principal
+/// stretches and the inside fraction of each tet and the rest position of each point. `path`: UTF-8.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_save_tets(
+    result: *const MlgReshapingResult,
+    path: *const c_char,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+        // SAFETY: the caller's promise (see the module).
+        let path = unsafe { buffers::path(path, "path")? };
+        let problem = &result.problem;
+        let inside = &problem.inside_fraction;
+        Ok(write_deformed_tets(&path, &problem.tets, inside, &result.reshaped)?)
     })
 }
 

@@ -223,3 +223,28 @@ pub unsafe extern "C" fn mlg_run_free(run: *mut MlgRun) {
         Ok(())
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_on_the_runs_thread_is_handed_over_as_a_failure() {
+        let run = RunObject::start("a test", 1, |_| -> Outcome<u32> { panic!("forced {}", 7) });
+        let run = run.unwrap();
+        run.join();
+        let failure = run.take::<u32>().unwrap_err();
+        assert_eq!(failure.status, MlgStatus::Panic);
+        assert_eq!(failure.message, "fault in the library: forced 7");
+    }
+
+    #[test]
+    fn a_result_is_handed_over_once_and_only_as_what_it_is() {
+        let run = RunObject::start("a test", 0, |_| Ok(7_u32)).unwrap();
+        run.join();
+        let failure = run.take::<String>().unwrap_err();
+        assert!(failure.message.starts_with("this run is a test;"), "{}", failure.message);
+        assert_eq!(run.take::<u32>().unwrap(), 7);
+        assert!(run.take::<u32>().is_err());
+    }
+}

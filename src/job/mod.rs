@@ -24,6 +24,7 @@ pub use fill::{Filling, fill, fill_with};
 pub use inputs::{Inputs, Pair, read_fixed_vertices, read_landmark_pairs};
 pub use inspect::{Data, inspect, inspect_data};
 pub use measure::{Spread, distance_to_markers, marker_distances, vertex_stretches};
+pub use output::write_deformed_tets;
 pub use register_job::{
     RegisterJob, RegisterResult, SkeletonFiles, read_motion, read_skeleton, run_register,
 };

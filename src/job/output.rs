@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::io::{DataArray, check_writable, write_ply, write_vtu};
 use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TriMesh};
+use crate::reshape::Reshaped;
 
 /// Refuses outputs that would come to nothing, before anything is computed.
 pub(super) fn check_places(job: &ReshapeJob) -> Result<()> {
@@ -71,7 +72,7 @@ pub(super) fn write(
         written.extend(write_carried(out, inputs, filling, outcome)?);
     }
     if let Some(path) = &job.tets_out {
-        write_tets(path, filling, outcome)?;
+        write_deformed_tets(path, &filling.mesh, &filling.inside_fraction, &outcome.reshaped)?;
         written.push(path.clone());
     }
     let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
@@ -102,18 +103,22 @@ fn write_carried(
 }
 
 /// The deformed tets; plastic strain and its principal stretches per tet (\[W\] Fig. 1 d, e).
-fn write_tets(path: &Path, filling: &Filling, outcome: &Outcome) -> Result<()> {
-    let reshaped = &outcome.reshaped;
+pub fn write_deformed_tets(
+    path: &Path,
+    tets: &TetMesh,
+    inside_fraction: &[f64],
+    reshaped: &Reshaped,
+) -> Result<()> {
     let strains = &reshaped.plastic_strain;
     let stretches: Vec<_> = strains.iter().map(principal_stretches).collect();
     let matrices: Vec<f64> =
         strains.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect();
     let principal: Vec<f64> = stretches.iter().flat_map(|s| [s[0], s[1], s[2]]).collect();
     let ratio: Vec<f64> = stretches.iter().map(|s| s[0] / s[2]).collect();
-    let rest: Vec<f64> = filling.mesh.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let rest: Vec<f64> = tets.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     let scalar = |name, values| DataArray { name, components: 1, values };
     // Corner order stays as in the rest mesh: inverted tets must not be turned around here.
-    let deformed = TetMesh { points: reshaped.tet_points.clone(), tets: filling.mesh.tets.clone() };
+    let deformed = TetMesh { points: reshaped.tet_points.clone(), tets: tets.tets.clone() };
     write_vtu(
         path,
         &deformed,
@@ -121,7 +126,7 @@ fn write_tets(path: &Path, filling: &Filling, outcome: &Outcome) -> Result<()> {
             DataArray { name: "Fp", components: 9, values: &matrices },
             DataArray { name: "principal_stretches", components: 3, values: &principal },
             scalar("stretch_ratio", &ratio),
-            scalar("inside_fraction", &filling.inside_fraction),
+            scalar("inside_fraction", inside_fraction),
         ],
         &[DataArray { name: "rest_position", components: 3, values: &rest }],
     )

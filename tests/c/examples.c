@@ -30,6 +30,7 @@ static void liver(const char *examples, const char *out) {
     MlgReshaping *problem = NULL;
     MlgReshapingOptions options;
     MlgReshapingResult *result = NULL;
+    const double *points;
     size_t count = 0;
     check(mlg_tri_mesh_load(in(examples, "liver/template.obj"), &surface, &error));
     check(mlg_markers_load(in(examples, "liver/markers.csv"), &markers, &error));
@@ -44,7 +45,9 @@ static void liver(const char *examples, const char *out) {
     options.tolerance = 0.3;
     options.landmark_tolerance = 15;
     check(mlg_reshaping_run(problem, &options, &result, &error));
-    check(mlg_tri_mesh_save(surface, mlg_reshaping_result_points(result, &count), count, in(out, "liver.obj"), &error));
+    points = mlg_reshaping_result_points(result, &count);
+    check(mlg_tri_mesh_save(surface, points, count, in(out, "liver.obj"), &error));
+    check(mlg_reshaping_result_save_tets(result, in(out, "liver.vtu"), &error));
     mlg_reshaping_result_free(result);
     mlg_reshaping_free(problem);
     mlg_tetrahedralization_free(tets);

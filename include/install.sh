@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Builds the library and installs it for C and C++ on Linux: headers, shared and static library,
+# pkg-config file, CMake package.
+#   include/install.sh PREFIX [PROFILE]      PROFILE: release (default) or dev
+set -euo pipefail
+cd "$(dirname "$0")/.."
+prefix=$(realpath -m "${1:?where to install, such as /usr/local}")
+profile=${2:-release}
+cargo build --profile "$profile"
+[ "$profile" = dev ] && profile=debug
+built=${CARGO_TARGET_DIR:-target}/$profile
+version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+soname=libmoulage.so.${version%.*}
+
+install -D -m 644 -t "$prefix/include" include/moulage.h include/moulage.hpp
+install -D -m 755 "$built/libmoulage.so" "$prefix/lib/libmoulage.so.$version"
+ln -sf "libmoulage.so.$version" "$prefix/lib/$soname"
+ln -sf "$soname" "$prefix/lib/libmoulage.so"
+install -D -m 644 -t "$prefix/lib" "$built/libmoulage.a"
+mkdir -p "$prefix/lib/pkgconfig" "$prefix/lib/cmake/moulage"
+fill=(-e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|")
+sed "${fill[@]}" include/moulage.pc.in >"$prefix/lib/pkgconfig/moulage.pc"
+sed "${fill[@]}" include/moulageConfig.cmake.in >"$prefix/lib/cmake/moulage/moulageConfig.cmake"
