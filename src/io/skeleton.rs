@@ -46,9 +46,25 @@ pub struct SkeletonDocument {
     /// Cluster radii from coarse to fine; null = infinite.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clusters: Option<Vec<Option<f64>>>,
+    /// What the template looks like in an image.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_image: Option<ReferenceImage>,
     /// What a registration found; kept as it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub result: Option<serde_json::Value>,
+}
+
+/// An image in which the template lies on the bones, or what was taken from it. Paths are relative to
+/// the skeleton file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceImage {
+    /// The image.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume: Option<String>,
+    /// Profiles (`.profiles.json`) sampled from it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profiles: Option<String>,
 }
 
 /// One bone.

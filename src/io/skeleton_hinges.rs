@@ -35,6 +35,8 @@ pub(super) struct HingeDocument {
 struct HingeBone {
     bone: String,
     file: String,
+    /// Value in label maps.
+    label: Option<u32>,
     body: Option<String>,
     parent_body: Option<String>,
 }
@@ -96,7 +98,7 @@ impl HingeDocument {
             bones: self
                 .bones
                 .iter()
-                .map(|b| BoneEntry { name: b.bone.clone(), mesh: b.file.clone(), label: None })
+                .map(|b| BoneEntry { name: b.bone.clone(), mesh: b.file.clone(), label: b.label })
                 .collect(),
             joints,
             ..SkeletonDocument::default()

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::image::ImageTarget;
 use super::samples::Samples;
 use super::skeleton::Skeleton;
 use super::target::{SearchedSurface, Target, face_normals};
@@ -26,6 +27,8 @@ pub struct PairRules {
     pub robust_floor: f64,
     /// Target to template pairs are used as well (the published method does).
     pub both_ways: bool,
+    /// Distance to each side that is searched in an image, template unit.
+    pub reach: f64,
 }
 
 /// Wanted positions of all template vertices.
@@ -69,6 +72,7 @@ struct Group {
 #[derive(Clone, Debug)]
 pub(super) struct Correspond<'a> {
     groups: Vec<(Group, &'a SearchedSurface)>,
+    image: Option<(&'a ImageTarget, Vec<f64>)>,
     vertex_count: usize,
     triangles: &'a [[u32; 3]],
 }
@@ -118,7 +122,8 @@ impl<'a> Correspond<'a> {
                 Some((group, surface))
             })
             .collect();
-        Self { groups, vertex_count: skeleton.points.len(), triangles }
+        let image = target.image.as_ref().map(|image| (image, areas.to_vec()));
+        Self { groups, image, vertex_count: skeleton.points.len(), triangles }
     }
 
     /// Correspondences of the template at `points`.
@@ -134,6 +139,9 @@ impl<'a> Correspond<'a> {
                 let faces = face_normals(local, &group.triangles);
                 pairs.par_extend(group.backward_pairs(&faces, surface));
             }
+        }
+        if let Some((image, areas)) = &self.image {
+            pairs.extend(image_pairs(image, areas, points, &normals, rules.reach));
         }
         self.gather(points, &pairs, rules)
     }
@@ -178,6 +186,25 @@ impl<'a> Correspond<'a> {
             rms_distance,
         }
     }
+}
+
+/// Vertices to places along their normals. Vertices that find nothing like them are dropped pairs.
+fn image_pairs(
+    image: &ImageTarget,
+    areas: &[f64],
+    points: &[Vec3],
+    normals: &[Vec3],
+    reach: f64,
+) -> impl Iterator<Item = Pair> {
+    let found = image.find(points, normals, reach);
+    (0..points.len()).zip(found).map(|(i, found)| {
+        let (shift, area, cosine) = match found {
+            Some(found) => (found.shift, areas[i] * found.score, 1.0),
+            None => (0.0, areas[i], f64::NEG_INFINITY),
+        };
+        let pull = normals[i] * shift;
+        Pair { vertices: [i as u32; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine }
+    })
 }
 
 impl Group {

@@ -54,7 +54,19 @@ impl Registration {
                 break;
             }
         }
+        let count = levels.len();
+        for (k, level) in levels.iter_mut().enumerate() {
+            level.rules.reach = self.image_reach(k, count);
+        }
         Ok(levels)
+    }
+
+    /// How far images are searched at level `k` of `count`: from the first to the last value in even
+    /// ratios.
+    fn image_reach(&self, k: usize, count: usize) -> f64 {
+        let [first, last] = self.options.image_reach;
+        let share = k as f64 / (count.max(2) - 1) as f64;
+        first * (last / first).powf(share) * self.diagonal
     }
 
     pub(super) fn rules(&self, min_cosine: f64, robust: Option<f64>) -> PairRules {
@@ -63,6 +75,7 @@ impl Registration {
             robust,
             robust_floor: 0.005 * self.diagonal,
             both_ways: self.options.both_ways,
+            reach: self.options.image_reach[1] * self.diagonal,
         }
     }
 

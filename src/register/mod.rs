@@ -14,6 +14,7 @@ pub mod bone_scales;
 pub mod correspond;
 pub mod elastic;
 pub mod fast_sums;
+mod image;
 pub mod joint_frames;
 pub mod joint_limits;
 mod levels;
@@ -31,8 +32,10 @@ pub mod skeleton;
 mod start;
 pub mod summary;
 mod target;
+mod track;
 pub mod transfer;
 
+pub use image::Appearance;
 pub use joint_limits::JointLimits;
 pub use options::Options;
 pub use registration::{Registration, register};

@@ -86,6 +86,9 @@ pub struct Options {
     pub seat_factor: f64,
     /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
+    /// How far an image is searched to each side of a vertex, at the first and at the last level, as
+    /// shares of the template's diagonal. [G] 3.2.2: 20 mm to 5 mm for a hand.
+    pub image_reach: [f64; 2],
 }
 
 impl Default for Options {
@@ -112,6 +115,7 @@ impl Default for Options {
             pose_starts: vec![0.0],
             seat_factor: 3.0,
             align: true,
+            image_reach: [0.1, 0.025],
         }
     }
 }

@@ -131,7 +131,7 @@ impl Registration {
             let mut search = self.search(target, level.spacing);
             let most = self.options.max_iterations;
             trace.push(self.run_level(level, &mut search, &mut state, run, most));
-            if k == 0 && self.options.use_joints {
+            if k == 0 && self.options.use_joints && target.image.is_none() {
                 self.repair(&mut search_coarse, &mut state, run);
             }
         }
@@ -139,7 +139,7 @@ impl Registration {
         Ok(self.finish(state, target, trace, run.is_cancelled()))
     }
 
-    fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
+    pub(super) fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
         Correspond::new(&self.template, &self.areas, target, spacing)
     }
 
@@ -247,7 +247,7 @@ impl Registration {
 
     /// The elastic shape becomes the reference, its frames follow, and the pose is put inside all
     /// limits; then the result is measured.
-    fn finish(
+    pub(super) fn finish(
         &self,
         state: State,
         target: &Target,

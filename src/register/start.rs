@@ -120,7 +120,7 @@ impl Registration {
         let all = vec![true; reference.bones.len()];
         let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
         reference.move_bones(&motions);
-        if self.options.align {
+        if self.options.align && target.image.is_none() {
             let motion = rigid_start(&reference, &self.areas, target);
             reference.move_bones(&vec![motion; reference.bones.len()]);
         }

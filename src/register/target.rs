@@ -1,11 +1,13 @@
 //! One person's bones as seen: a surface of all bones together, or one surface per bone.
 
 use super::areas::vertex_areas;
+use super::image::{Appearance, ImageTarget};
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
+use crate::volume::Volume;
 
 /// A surface with what the search for closest points needs.
 #[derive(Clone, Debug)]
@@ -46,6 +48,8 @@ pub struct Target {
     /// One surface for all bones, or one (or none) for each bone.
     pub(super) surfaces: Vec<Option<SearchedSurface>>,
     pub(super) labelled: bool,
+    /// An image in place of surfaces.
+    pub(super) image: Option<ImageTarget>,
 }
 
 impl Target {
@@ -55,7 +59,8 @@ impl Target {
         if surface.triangles.is_empty() {
             return Err(Error::invalid("the target surface has no triangles"));
         }
-        Ok(Self { surfaces: vec![Some(SearchedSurface::new(surface))], labelled: false })
+        let surfaces = vec![Some(SearchedSurface::new(surface))];
+        Ok(Self { surfaces, labelled: false, image: None })
     }
 
     /// A surface for each named bone; bones that are not named have no data of their own and follow
@@ -80,7 +85,15 @@ impl Target {
         if of_bone.iter().all(Option::is_none) {
             return Err(Error::invalid("the target names no bone of the skeleton"));
         }
-        Ok(Self { surfaces: of_bone, labelled: true })
+        Ok(Self { surfaces: of_bone, labelled: true, image: None })
+    }
+
+    /// An image of the person, in which the template already lies roughly on its bones (within the
+    /// reach of the search, [`super::Options::image_reach`]). `appearance`: what the template shows
+    /// in its reference image, made by the same protocol.
+    pub fn image(skeleton: &Skeleton, volume: Volume, appearance: Appearance) -> Result<Self> {
+        let image = Some(ImageTarget::new(skeleton, volume, appearance)?);
+        Ok(Self { surfaces: Vec::new(), labelled: false, image })
     }
 
     /// Whether the target tells the bones apart.

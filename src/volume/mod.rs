@@ -6,9 +6,15 @@
 //! affine map leads from indices to the world, never a spacing alone.
 
 mod grid;
+mod label_surface;
+pub mod moments;
 pub mod outline;
+pub mod profiles;
 pub mod slice;
 
 pub use grid::{MAX_VOXELS, Volume};
+pub use label_surface::label_surface;
+pub use moments::Moments;
 pub use outline::{Clicks, label_markers, outlines};
+pub use profiles::{Match, Profiles};
 pub use slice::{SlicePlane, View, Window};

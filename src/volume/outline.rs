@@ -12,8 +12,9 @@ use crate::math::polyline::{Polyline, chain};
 const HALF: f32 = 0.5;
 /// Outlines shorter than this many voxels around are specks of a segmentation, not organs.
 const SPECK: f64 = 8.0;
-/// Standard deviation, in pixels, of the smoothing that turns voxel stairs into what a hand draws.
-const SMOOTHING: f64 = 1.0;
+/// Standard deviation, in half pixels, of the smoothing that turns voxel stairs into what a hand
+/// draws.
+const SMOOTHING: f64 = 2.0;
 
 /// How markers are put on outlines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +42,7 @@ pub fn outlines(labels: &Volume, label: u32, plane: &SlicePlane) -> Vec<Polyline
     let pixel = plane.right.norm();
     let lines = level_lines(&inside, plane);
     let long = lines.into_iter().filter(|line| line.length() >= SPECK * pixel);
-    long.map(|line| smooth(&line, SMOOTHING)).collect()
+    long.map(|line| smooth(&even(&line, pixel / 2.0), SMOOTHING)).collect()
 }
 
 /// Markers on the outlines of one label: on planes of each view that are `every` mm apart, along
@@ -206,6 +207,15 @@ fn level_lines(values: &[f32], plane: &SlicePlane) -> Vec<Polyline> {
 fn edge_name(a: (usize, usize), b: (usize, usize), width: usize) -> u64 {
     let (low, downwards) = (a.min(b), a.0 == b.0);
     2 * (low.1 * width + low.0) as u64 + u64::from(downwards)
+}
+
+/// The line with points at even distances, nearest to `step`; open ones keep their ends.
+fn even(line: &Polyline, step: f64) -> Polyline {
+    let mut points: Vec<Vec3> = spaced(line, step, 0.0).into_iter().map(|(p, _)| p).collect();
+    if !line.closed {
+        points.extend(line.points.last().copied());
+    }
+    Polyline { points, closed: line.closed }
 }
 
 /// Gaussian smoothing along a line, `sigma` in mean steps, applied so that curves keep their

@@ -92,7 +92,18 @@ impl SlicePlane {
     /// The plane of `view` at `position` (mm along the view's axis), as large as the volume needs,
     /// with square pixels of `pixel` mm [none: the volume's smallest spacing].
     pub fn of(volume: &Volume, view: View, position: f64, pixel: Option<f64>) -> Result<Self> {
+        let [low, high] = Self::reach(volume, view);
+        if position < low || position > high {
+            return Err(Error::invalid(format!(
+                "the slice at {position} misses the image, which reaches from {low:.1} to {high:.1}"
+            )));
+        }
         let pixel = pixel.unwrap_or_else(|| volume.spacing().min());
+        Self::covering(&volume.corners(), view, position, pixel)
+    }
+
+    /// The plane of `view` at `position`, as large as `points` (at least one) need.
+    pub fn covering(points: &[Vec3], view: View, position: f64, pixel: f64) -> Result<Self> {
         if !(pixel.is_finite() && pixel > 0.0 && position.is_finite()) {
             return Err(Error::invalid(format!(
                 "a slice at {position} with pixels of {pixel} mm cannot be made"
@@ -100,17 +111,10 @@ impl SlicePlane {
         }
         let (axis, [right, down]) = (view.axis(), view.right_and_down());
         let reach = |direction: &Vec3| {
-            let along = volume.corners().map(|c| c.dot(direction));
-            let low = along.iter().copied().fold(f64::MAX, f64::min);
-            (low, along.iter().copied().fold(f64::MIN, f64::max))
+            let along = points.iter().map(|p| p.dot(direction));
+            along.fold([f64::MAX, f64::MIN], |[low, high], a| [low.min(a), high.max(a)])
         };
-        let (low, high) = reach(&axis);
-        if position < low || position > high {
-            return Err(Error::invalid(format!(
-                "the slice at {position} misses the image, which reaches from {low:.1} to {high:.1}"
-            )));
-        }
-        let ((left, right_end), (top, bottom)) = (reach(&right), reach(&down));
+        let ([left, right_end], [top, bottom]) = (reach(&right), reach(&down));
         let count = |length: f64| ((length / pixel).round() as usize).max(1);
         let (width, height) = (count(right_end - left), count(bottom - top));
         if width > MOST_PIXELS || height > MOST_PIXELS {
