@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(core c python blender)
+parts=(core c images python blender)
 
 install_debian() {
     local missing=()
@@ -50,6 +50,18 @@ run_blender() {
     blender_addon/build.sh
     cargo build --release
     tests/blender/run.sh dist
+}
+
+# Images written by other programs, compared with what SimpleITK sees.
+run_images() {
+    install_debian python3-venv
+    cargo build
+    local tools
+    tools=$(mktemp -d)
+    python3 -m venv "$tools"
+    "$tools/bin/pip" install --quiet numpy pillow pydicom SimpleITK
+    "$tools/bin/python" tests/images/formats.py target/debug/moulage
+    rm -rf "$tools"
 }
 
 # Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.

@@ -5,10 +5,12 @@
 
 mod check;
 mod convert;
+mod images;
 mod progress;
 mod register;
 mod reshape;
 mod tetrahedralize;
+mod track;
 
 use std::process::ExitCode;
 
@@ -37,9 +39,17 @@ enum Command {
     Register(Box<moulage::job::RegisterJob>),
     /// Fill a surface with tets and print their quality
     Tetrahedralize(tetrahedralize::Arguments),
+    /// Follow one person's bones through images of other poses
+    Track(moulage::job::TrackJob),
+    /// Draw a slice of a medical image, with cuts of surfaces and markers over it
+    Slice(moulage::job::SliceJob),
+    /// Mark the outlines of a label map's label, as a person would click them
+    Markers(moulage::job::MarkersJob),
+    /// Compare a surface with a label map, and draw it on slices of an image
+    Compare(moulage::job::CompareJob),
     /// Turn a skeleton file into another format
     Convert(convert::Arguments),
-    /// Say in words what is wrong with meshes, marker files or jobs
+    /// Say in words what is wrong with meshes, marker files, images or jobs
     Check(check::Arguments),
 }
 
@@ -59,6 +69,10 @@ pub fn main() -> ExitCode {
         Command::Reshape(arguments) => reshape::run(*arguments),
         Command::Register(job) => register::run(&job),
         Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
+        Command::Track(job) => track::run(&job),
+        Command::Slice(job) => images::slice(&job),
+        Command::Markers(job) => images::markers(&job),
+        Command::Compare(job) => images::compare(&job),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Check(arguments) => Ok(check::run(&arguments)),
     };

@@ -49,6 +49,24 @@ fn print(report: &Report) {
         spread(&report.marker_distance.before),
         spread(&report.marker_distance.after)
     );
+    if let Some(refined) = &report.refinement {
+        println!(
+            "{} markers added by the image, {:.3} from the first result in the mean, confidence {:.2}; the user's were {} then",
+            refined.added,
+            refined.shift.mean,
+            refined.confidence.mean,
+            spread(&refined.marker_distance_before)
+        );
+    }
+    if let Some(fit) = &report.label_fit {
+        println!(
+            "label {}: Dice {:.4}, label to result {}, result to label {}",
+            fit.label,
+            fit.dice,
+            spread(&fit.label_to_surface),
+            spread(&fit.surface_to_label)
+        );
+    }
     for (pairs, what) in [(&report.landmarks, "landmarks"), (&report.attachments, "attachments")] {
         if pairs.is_empty() {
             continue;

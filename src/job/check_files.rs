@@ -20,6 +20,9 @@ pub struct FileCheck {
 
 /// Looks at a surface, marker, tet mesh, pair or job file. Files that cannot be read are errors.
 pub fn check_file(path: &Path) -> Result<FileCheck> {
+    if io::is_volume(path) {
+        return volume(path);
+    }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("obj" | "stl") => surface(path),
@@ -29,7 +32,7 @@ pub fn check_file(path: &Path) -> Result<FileCheck> {
         Some("toml") => job(path),
         Some("json" | "fcsv" | "pp" | "txt" | "xyz" | "pts" | "tsv") => markers(path),
         _ => Err(Error::Unsupported(format!(
-            "{}: this kind of file is not known; surfaces, markers, tet meshes and job files are",
+            "{}: this kind of file is not known; surfaces, markers, tet meshes, images and job files are",
             path.display()
         ))),
     }
@@ -70,6 +73,31 @@ fn markers(path: &Path) -> Result<FileCheck> {
     }
     let content = format!("{} markers, {}", markers.len(), extent(&points));
     Ok(FileCheck { content, findings })
+}
+
+fn volume(path: &Path) -> Result<FileCheck> {
+    const MOST_LABELS: usize = 200;
+    let io::VolumeFile { volume, format, notes } = io::read_volume(path)?;
+    let [i, j, k] = volume.size();
+    let spacing = volume.spacing();
+    let [low, high] = volume.range();
+    let corners = volume.corners();
+    let labels = volume.labels().filter(|l| !l.is_empty() && l.len() <= MOST_LABELS);
+    let values = labels.map_or(format!("values {low} to {high}"), |labels| {
+        let list: Vec<String> = labels.iter().map(|(l, n)| format!("{l} ({n} voxels)")).collect();
+        format!("labels {}", list.join(", "))
+    });
+    Ok(FileCheck {
+        content: format!(
+            "a {format} image of {i} x {j} x {k} voxels of {:.3} x {:.3} x {:.3} mm, indices along {}, {}, {values}",
+            spacing.x,
+            spacing.y,
+            spacing.z,
+            volume.orientation(),
+            extent(&corners)
+        ),
+        findings: notes,
+    })
 }
 
 fn tets(path: &Path) -> Result<FileCheck> {

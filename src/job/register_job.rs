@@ -5,17 +5,20 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::image_target::{Measure, appearance, image_target};
 use super::register_output as output;
 use super::register_report::RegisterReport;
 use super::skeleton_build::build_skeleton;
+use super::track_job::relative_reach;
 use crate::error::{Error, Result};
 use crate::io::skeleton::SkeletonDocument;
-use crate::io::{SurfaceFile, read_bytes, read_surface};
+use crate::io::{SurfaceFile, read_bytes, read_surface, read_volume};
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
 use crate::register::options::Levels;
 use crate::register::{Options, Registered, Registration, Skeleton, Target};
 use crate::run::Run;
+use crate::volume::label_surface;
 
 /// All that describes one registration. What is `None` takes its default. Lengths are in the
 /// template's unit.
@@ -29,9 +32,19 @@ pub struct RegisterJob {
     /// Surface of all the person's bones: .obj, .ply or .stl; bones may be fused
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Input"))]
     pub target: Option<PathBuf>,
-    /// Folder with one surface per bone, named as the bone, instead of --target
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Input"))]
+    /// Folder with one surface per bone, named as the bone, or a label map (the skeleton file gives
+    /// each bone its label), instead of --target
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PATH", help_heading = "Input"))]
     pub labels: Option<PathBuf>,
+    /// Image of the person instead of a surface; the template must lie near the bones
+    #[cfg_attr(feature = "cli", arg(long, value_name = "VOLUME", help_heading = "Input"))]
+    pub volume: Option<PathBuf>,
+    /// Image in which the template lies on the bones [default: what the skeleton file names]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "VOLUME", requires = "volume", help_heading = "Input")
+    )]
+    pub reference: Option<PathBuf>,
     /// Soft tissue surfaces in the template's pose to carry along, besides the skeleton's own
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Input"))]
     pub carry: Option<Vec<PathBuf>>,
@@ -45,6 +58,16 @@ pub struct RegisterJob {
     /// Run the loop as published: exact clusters, updates only when the elastic steps rest
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
     pub paper: bool,
+    /// How images are compared: profiles, or the published moments [default: profiles]
+    #[cfg_attr(feature = "cli", arg(long, value_enum, help_heading = "Method"))]
+    pub measure: Option<Measure>,
+    /// How far an image is searched to each side, at the first and the last level, mm [default: 10 and
+    /// 2.5 % of the template's diagonal]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "MM", num_args = 2, help_heading = "Method")
+    )]
+    pub reach: Option<Vec<f64>>,
     /// The template already lies where the person is
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
     pub no_align: bool,
@@ -122,11 +145,14 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     }
     run.enter("reading", 0.0);
     let files = read_skeleton(&job.skeleton)?;
-    let target = read_target(job, &files.skeleton)?;
+    let (target, notes) = read_target(job, &files)?;
     let carried = output::read_carried(job, &files)?;
     let flip = job.flip.as_deref().unwrap_or_default();
     let motion = job.motion.as_deref().map(|path| read_motion(path, flip)).transpose()?;
-    let options = options(job, &files.document);
+    let mut options = options(job, &files.document);
+    if let Some(reach) = job.reach.as_deref() {
+        options.image_reach = relative_reach(reach, &files.skeleton)?;
+    }
     let prepared = Instant::now();
     let registration = Registration::new(files.skeleton.clone(), options)?;
     let prepared = prepared.elapsed().as_secs_f64();
@@ -134,6 +160,7 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     let registered = registration.register(&target, run)?;
     let seconds = started.elapsed().as_secs_f64();
     let mut report = RegisterReport::new(job, &files, &registered, [prepared, seconds]);
+    report.warnings.splice(0..0, notes);
     run.enter("writing", 0.97);
     if let Some(folder) = &job.out {
         report.written =
@@ -162,10 +189,23 @@ fn options(job: &RegisterJob, document: &SkeletonDocument) -> Options {
     options
 }
 
-fn read_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
+/// The target, and what its reader noticed.
+fn read_target(job: &RegisterJob, files: &SkeletonFiles) -> Result<(Target, Vec<String>)> {
+    if let (None, None, Some(volume)) = (&job.target, &job.labels, &job.volume) {
+        let measure = job.measure.unwrap_or_default();
+        let looks = appearance(&job.skeleton, files, job.reference.as_deref(), measure)?;
+        return image_target(&files.skeleton, volume, looks);
+    }
+    surface_target(job, &files.skeleton).map(|target| (target, Vec::new()))
+}
+
+fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
     match (&job.target, &job.labels) {
-        (Some(path), None) => Target::whole(read_surface(path)?.mesh()?),
-        (None, Some(folder)) => {
+        (Some(path), None) if job.volume.is_none() => Target::whole(read_surface(path)?.mesh()?),
+        (None, Some(map)) if job.volume.is_none() && map.is_file() => {
+            labelled_target(map, skeleton)
+        }
+        (None, Some(folder)) if job.volume.is_none() => {
             let mut surfaces = Vec::new();
             for bone in &skeleton.bones {
                 let file = ["ply", "obj", "stl"]
@@ -186,9 +226,29 @@ fn read_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
             Target::per_bone(skeleton, surfaces)
         }
         _ => Err(Error::invalid(
-            "give the person's bones either as one surface with --target or as a folder with --labels",
+            "give the person's bones as one surface with --target, a folder with --labels, or an image with --volume: one of them",
         )),
     }
+}
+
+/// A surface for each bone whose label the map holds.
+fn labelled_target(path: &Path, skeleton: &Skeleton) -> Result<Target> {
+    let labels = read_volume(path)?.volume;
+    let mut surfaces = Vec::new();
+    for bone in &skeleton.bones {
+        let found = bone.label.and_then(|label| label_surface(&labels, label));
+        if let Some((points, triangles)) = found {
+            surfaces.push((bone.name.clone(), TriMesh::new(points, triangles)?));
+        }
+    }
+    if surfaces.is_empty() {
+        return Err(Error::parse(
+            path,
+            None,
+            "the label map holds no bone's label; give each bone its \"label\" in the skeleton file",
+        ));
+    }
+    Target::per_bone(skeleton, surfaces)
 }
 
 /// Reads an OpenSim motion; the angles named in `flip` change their sign.

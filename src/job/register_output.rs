@@ -9,11 +9,11 @@ use super::register_job::{RegisterJob, SkeletonFiles};
 use super::skeleton_build::skeleton_document;
 use crate::error::Result;
 use crate::io::gltf::{GltfNode, GltfScene, write_glb};
-use crate::io::skeleton::{SkeletonDocument, SoftEntry};
-use crate::io::{SurfaceFile, read_surface, write_beside};
+use crate::io::skeleton::{ReferenceImage, SkeletonDocument, SoftEntry};
+use crate::io::{SurfaceFile, read_surface, read_volume, write_beside, write_profiles};
 use crate::register::animation::{Motion, animate, present_angles};
 use crate::register::transfer::carry_soft_tissue;
-use crate::register::{Registered, Skeleton};
+use crate::register::{Appearance, Registered, Skeleton};
 
 /// A soft tissue surface to carry.
 pub(super) struct Carried {
@@ -63,6 +63,17 @@ pub(super) fn write(
         file.write_with_points(&folder.join(&mesh), &points)?;
         written.push(folder.join(&mesh));
         document.soft.push(SoftEntry { name: name.clone(), mesh });
+    }
+    if let Some(volume) = &job.volume {
+        // What the person's bones look like there, for following them through other images.
+        let looks = Appearance::profiles(&found.skeleton, &read_volume(volume)?.volume, None)?;
+        if let Appearance::Profiles(profiles) = looks {
+            let name = "result.profiles.json";
+            write_profiles(&folder.join(name), &profiles)?;
+            written.push(folder.join(name));
+            document.reference_image =
+                Some(ReferenceImage { volume: None, profiles: Some(name.to_owned()) });
+        }
     }
     let path = folder.join("result.skeleton.json");
     let text = document.to_text()?;

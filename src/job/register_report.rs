@@ -94,7 +94,13 @@ impl RegisterReport {
         found: &Registered,
         [prepare_seconds, seconds]: [f64; 2],
     ) -> Self {
-        let target = job.target.as_ref().or(job.labels.as_ref()).cloned().unwrap_or_default();
+        let target = job
+            .target
+            .as_ref()
+            .or(job.labels.as_ref())
+            .or(job.volume.as_ref())
+            .cloned()
+            .unwrap_or_default();
         Self {
             version: env!("CARGO_PKG_VERSION"),
             skeleton: job.skeleton.clone(),

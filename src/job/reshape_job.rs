@@ -5,13 +5,17 @@ use std::time::Instant;
 use super::fill::{Filling, fill};
 use super::inputs::{Inputs, Pair};
 use super::inspect::inspect;
+use super::measure::{Spread, marker_distances};
 use super::output;
+use super::overlay::Person;
+use super::refine::{self, Refinement};
 use super::report::{Ending, Report, Stage};
 use super::result::Outcome;
 use super::spec::{Align, ReshapeJob};
 use crate::align::{Freedom, Similarity, pre_align};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::mesh::TriMesh;
 use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint, reshape};
 use crate::run::Run;
 
@@ -40,6 +44,7 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     let mut clock = Clock::new();
     run.enter("reading", 0.0);
     let mut inputs = Inputs::read(job)?;
+    let person = Person::read(job)?;
     output::check_places(job)?;
     let align = job.align.unwrap_or_default();
     let suspicions = inspect(&inputs, align)?;
@@ -50,11 +55,26 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     let mut filling = fill(job, &inputs.surface, run)?;
     inputs.warnings.append(&mut filling.warnings);
     clock.stop("tets");
-    let (problem, options) = (problem(&inputs, &filling), options(job));
-    let reshaped = reshape(&problem, &options, run)?;
+    let (mut problem, options) = (problem(&inputs, &filling), options(job));
+    let mut reshaped = reshape(&problem, &options, run)?;
     clock.stop("solver");
+    let mut refinement = None;
+    if job.refine == Some(true) && !run.is_cancelled() {
+        refinement = Some(refine_problem(&mut problem, &person, &reshaped.surface_points)?);
+        reshaped = reshape(&problem, &options, run)?;
+        clock.stop("solver, with the image");
+    }
     let outcome = Outcome::new(&inputs, &filling, &problem, &options, reshaped);
     let mut report = outcome.report(&inputs, &filling);
+    let result = TriMesh {
+        points: outcome.reshaped.surface_points.clone(),
+        triangles: inputs.surface.triangles.clone(),
+    };
+    report.refinement = refinement;
+    report.label_fit = person.fit(&result)?;
+    if job.report.is_some() {
+        report.slices = person.figures(&result, Some(&inputs.surface), &outcome.markers)?;
+    }
     run.enter("writing", 1.0);
     report.written = output::write(job, &inputs, &filling, &outcome)?;
     clock.stop("writing");
@@ -64,6 +84,20 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         report.write(folder, &outcome.shapes(&inputs))?;
     }
     Ok(JobResult { points: outcome.reshaped.surface_points, report })
+}
+
+/// Adds to the problem what the image shows where the user marked nothing.
+fn refine_problem(problem: &mut Problem, person: &Person, points: &[Vec3]) -> Result<Refinement> {
+    let volume = person.volume.as_ref().ok_or_else(|| {
+        Error::invalid("to refine by the image, an image is needed; name it with --volume")
+    })?;
+    let triangles = problem.surface.triangles.clone();
+    let result = TriMesh { points: points.to_vec(), triangles };
+    let users: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
+    let before = Spread::of(&marker_distances(&result.points, &result.triangles, &users));
+    let (markers, refinement) = refine::look(volume, &result, &users, before)?;
+    problem.markers.extend(markers);
+    Ok(refinement)
 }
 
 /// Moves template, template points and carried meshes to where the person is.

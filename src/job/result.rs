@@ -99,6 +99,9 @@ impl Outcome {
             stretch_range: stretch_range(&filling.mesh, now, &inside),
             volume_ratio: moved.volume() / inputs.surface.volume(),
             iterations: self.iterations(),
+            refinement: None,
+            label_fit: None,
+            slices: Vec::new(),
             written: Vec::new(),
         }
     }

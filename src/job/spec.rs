@@ -70,6 +70,20 @@ pub struct ReshapeJob {
     #[cfg_attr(feature = "cli", arg(long, value_enum, help_heading = "Input"))]
     pub align: Option<Align>,
 
+    /// Image of the person: the report shows the result on its slices
+    #[cfg_attr(feature = "cli", arg(long, value_name = "VOLUME", help_heading = "Image"))]
+    pub volume: Option<PathBuf>,
+    /// Label map: the report compares the result with a label
+    #[cfg_attr(feature = "cli", arg(long, value_name = "VOLUME", help_heading = "Image"))]
+    pub label_map: Option<PathBuf>,
+    /// The label [default: the only one]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Image"))]
+    pub label: Option<u32>,
+    /// Look in the image for the organ's border where no marker is near, and follow it weakly
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, default_missing_value = "true",
+        value_name = "BOOL", help_heading = "Image"))]
+    pub refine: Option<bool>,
+
     /// auto, tetgen, lattice, or a file: .node/.ele, .vtu, .veg or .msh [default: auto]
     #[cfg_attr(feature = "cli", arg(long, value_name = "HOW", help_heading = "Tets"))]
     pub tets: Option<PathBuf>,
@@ -190,6 +204,10 @@ impl ReshapeJob {
             attachment_gap,
             fixed,
             align,
+            volume,
+            label_map,
+            label,
+            refine,
             tets,
             tet_count,
             tetgen,
@@ -224,6 +242,8 @@ impl ReshapeJob {
         let single = [
             &mut self.template,
             &mut self.fixed,
+            &mut self.volume,
+            &mut self.label_map,
             &mut self.tetgen,
             &mut self.out,
             &mut self.tets_out,

@@ -20,7 +20,8 @@ max-width:62rem;margin:2rem auto;padding:0 1rem}h1{font-size:1.5rem}h2{font-size
 margin-top:2rem}table{border-collapse:collapse}td,th{padding:.2rem .9rem .2rem 0;text-align:left;\
 border-bottom:1px solid #ddd;vertical-align:top}td.n,th.n{text-align:right;\
 font-variant-numeric:tabular-nums}.row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;width:440px;max-width:100%}\
-figcaption{color:#555;font-size:.9rem}img,svg{max-width:100%;height:auto}.good{color:#176b2c}\
+.slices{display:grid;grid-template-columns:repeat(auto-fill,minmax(280px,1fr));gap:1rem}\
+.slices figure{width:auto}figcaption{color:#555;font-size:.9rem}img,svg{max-width:100%;height:auto}.good{color:#176b2c}\
 .bad{color:#a11}ul.w{background:#fff6e0;padding:.6rem 1rem .6rem 2rem}";
 
 /// The page.
@@ -43,6 +44,7 @@ pub fn page(report: &Report, shapes: &Shapes) -> String {
     add(&warnings(&report.warnings));
     add(&figures(report));
     add(&pictures(report, shapes));
+    add(&slices(report));
     add("<h2>Course</h2>\n<div class=\"row\">");
     add(&figure(&plots::convergence(report), "Distance of the markers over the iterations"));
     add(&figure(
@@ -91,6 +93,25 @@ fn figures(report: &Report) -> String {
         )
     };
     row("Marker distance, mean / largest", change(&report.marker_distance));
+    if let Some(refined) = &report.refinement {
+        row(
+            "Added by the image",
+            format!(
+                "{} markers of mean confidence {:.2}, {} mm from the first result; the user's markers were then {} / {} off",
+                refined.added,
+                refined.confidence.mean,
+                number(refined.shift.mean),
+                number(refined.marker_distance_before.mean),
+                number(refined.marker_distance_before.max)
+            ),
+        );
+    }
+    if let Some(fit) = &report.label_fit {
+        row("Dice with the label", format!("{:.4}", fit.dice));
+        let both = |s: &Spread| format!("{} / {} mm", number(s.mean), number(s.max));
+        row("Label to result, mean / largest", both(&fit.label_to_surface));
+        row("Result to label, mean / largest", both(&fit.surface_to_label));
+    }
     row("Template", report.template.display().to_string());
     row("Markers", report.markers.to_string());
     if report.fixed > 0 {
@@ -149,6 +170,28 @@ fn pictures(report: &Report, shapes: &Shapes) -> String {
     }
     text.push_str(
         "<p>Red markers are more than three tolerances off. Faint ones are behind.</p>\n",
+    );
+    text
+}
+
+/// The result on slices of the person's image.
+fn slices(report: &Report) -> String {
+    if report.slices.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from("<h2>On the image</h2>\n<div class=\"slices\">");
+    for slice in &report.slices {
+        let image = STANDARD.encode(&slice.png);
+        let caption = escape(&slice.caption);
+        text.push_str(&figure(
+            &format!("<img alt=\"{caption}\" src=\"data:image/png;base64,{image}\">"),
+            &caption,
+        ));
+    }
+    let label = if report.label_fit.is_some() { ", blue: label" } else { "" };
+    let _ = writeln!(
+        text,
+        "</div>\n<p>Green: result, orange: template{label}, red: markers near the slice.</p>"
     );
     text
 }

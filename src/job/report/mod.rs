@@ -8,7 +8,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::label_fit::LabelFit;
 use super::measure::Spread;
+use super::overlay::SliceFigure;
+use super::refine::Refinement;
 use crate::error::Result;
 use crate::io::write_beside;
 use crate::math::Vec3;
@@ -120,6 +123,15 @@ pub struct Report {
     pub volume_ratio: f64,
     /// Each iteration.
     pub iterations: Vec<Iteration>,
+    /// What the image added to the user's markers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<Refinement>,
+    /// How well the result meets the label of the person's label map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label_fit: Option<LabelFit>,
+    /// The result on slices of the person's image.
+    #[serde(skip)]
+    pub slices: Vec<SliceFigure>,
     /// Files written.
     pub written: Vec<PathBuf>,
 }
