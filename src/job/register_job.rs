@@ -9,10 +9,11 @@ use super::image_target::{Measure, appearance, image_target};
 use super::register_output as output;
 use super::register_report::RegisterReport;
 use super::skeleton_build::build_skeleton;
+use super::slice_job::only_label;
 use super::track_job::relative_reach;
 use crate::error::{Error, Result};
 use crate::io::skeleton::SkeletonDocument;
-use crate::io::{SurfaceFile, read_bytes, read_surface, read_volume};
+use crate::io::{SurfaceFile, is_volume, read_bytes, read_surface, read_volume};
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
 use crate::register::options::Levels;
@@ -29,7 +30,8 @@ pub struct RegisterJob {
     /// Template: *.skeleton.json
     #[cfg_attr(feature = "cli", arg(value_name = "SKELETON"))]
     pub skeleton: PathBuf,
-    /// Surface of all the person's bones: .obj, .ply or .stl; bones may be fused
+    /// Surface of all the person's bones: .obj, .ply, .stl, or a label map with one label; bones may be
+    /// fused
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Input"))]
     pub target: Option<PathBuf>,
     /// Folder with one surface per bone, named as the bone, or a label map (the skeleton file gives
@@ -201,6 +203,7 @@ fn read_target(job: &RegisterJob, files: &SkeletonFiles) -> Result<(Target, Vec<
 
 fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
     match (&job.target, &job.labels) {
+        (Some(map), None) if job.volume.is_none() && is_volume(map) => bone_label_target(map),
         (Some(path), None) if job.volume.is_none() => Target::whole(read_surface(path)?.mesh()?),
         (None, Some(map)) if job.volume.is_none() && map.is_file() => {
             labelled_target(map, skeleton)
@@ -229,6 +232,16 @@ fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
             "give the person's bones as one surface with --target, a folder with --labels, or an image with --volume: one of them",
         )),
     }
+}
+
+/// One surface of the only label of a map: all bones together.
+fn bone_label_target(path: &Path) -> Result<Target> {
+    let labels = read_volume(path)?.volume;
+    let wrong = |e: Error| Error::parse(path, None, e.to_string());
+    let label = only_label(&labels).map_err(wrong)?;
+    let (points, triangles) = label_surface(&labels, label)
+        .ok_or_else(|| wrong(Error::invalid("the label fills the whole image")))?;
+    Target::whole(TriMesh::new(points, triangles)?)
 }
 
 /// A surface for each bone whose label the map holds.

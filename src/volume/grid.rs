@@ -125,26 +125,31 @@ impl Volume {
 
     /// The same for an index, of values changed by `map` first (for labels: is it this one?).
     pub fn sample_voxel(&self, voxel: &Vec3, map: impl Fn(f32) -> f32) -> Option<f32> {
-        let (mut low, mut high, mut share) = ([0; 3], [0; 3], [0.0_f32; 3]);
+        // Offsets of the next voxel along each index, 0 beyond the last one.
+        let (mut first, mut next, mut share) = (0, [0; 3], [0.0_f32; 3]);
+        let mut stride = 1;
         for axis in 0..3 {
-            let last = self.size[axis] as f64 - 1.0;
+            let size = self.size[axis];
+            let last = f64::from(size as u32 - 1);
             if !(voxel[axis] >= -HALF_VOXEL && voxel[axis] <= last + HALF_VOXEL) {
                 return None;
             }
-            let inside = voxel[axis].clamp(0.0, last);
-            low[axis] = inside as usize;
-            high[axis] = (low[axis] + 1).min(self.size[axis] - 1);
-            share[axis] = (inside - low[axis] as f64) as f32;
+            let inside = voxel[axis].max(0.0).min(last);
+            let low = inside as u32;
+            share[axis] = (inside - f64::from(low)) as f32;
+            first += low as usize * stride;
+            next[axis] = if low as usize + 1 < size { stride } else { 0 };
+            stride *= size;
         }
-        let row = |j: usize, k: usize| {
-            let (a, b) = (map(self.at([low[0], j, k])), map(self.at([high[0], j, k])));
+        let along = |at: usize| {
+            let (a, b) = (map(self.values[at]), map(self.values[at + next[0]]));
             a + share[0] * (b - a)
         };
-        let plane = |k: usize| {
-            let (a, b) = (row(low[1], k), row(high[1], k));
+        let across = |at: usize| {
+            let (a, b) = (along(at), along(at + next[1]));
             a + share[1] * (b - a)
         };
-        let (a, b) = (plane(low[2]), plane(high[2]));
+        let (a, b) = (across(first), across(first + next[2]));
         Some(a + share[2] * (b - a))
     }
 
