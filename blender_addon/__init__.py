@@ -14,7 +14,8 @@ bl_info = {
 import bpy
 from bpy.app.handlers import persistent
 
-from . import menu, operators, overlay, panels, preferences, properties, solve
+from . import menu, operators, overlay, panels, preferences, properties, scan, solve
+from .library import Wrong
 
 _classes = (*preferences.classes, *properties.classes, *operators.classes, *panels.classes, *menu.classes)
 
@@ -22,6 +23,31 @@ _classes = (*preferences.classes, *properties.classes, *operators.classes, *pane
 @persistent
 def _before_another_file(*_arguments):
     solve.shut_down()
+    scan.forget()
+
+
+@persistent
+def _draw_slices(*_arguments):
+    """After a file was opened and after undo: images made here are not kept in either."""
+    try:
+        scan.draw_all(bpy.context)
+    except Wrong:
+        # The panel says it.
+        pass
+
+
+@persistent
+def _follow_slices(*_arguments):
+    try:
+        scan.follow(bpy.context)
+    except Wrong:
+        pass
+
+
+_handlers = (
+    ("load_pre", _before_another_file), ("load_post", _draw_slices), ("undo_post", _draw_slices),
+    ("redo_post", _draw_slices), ("depsgraph_update_post", _follow_slices),
+)
 
 
 def register():
@@ -29,7 +55,8 @@ def register():
         bpy.utils.register_class(cls)
     properties.register()
     menu.register()
-    bpy.app.handlers.load_pre.append(_before_another_file)
+    for name, handler in _handlers:
+        getattr(bpy.app.handlers, name).append(handler)
     if not bpy.app.background:
         overlay.register()
 
@@ -37,7 +64,9 @@ def register():
 def unregister():
     solve.shut_down()
     overlay.unregister()
-    bpy.app.handlers.load_pre.remove(_before_another_file)
+    for name, handler in _handlers:
+        getattr(bpy.app.handlers, name).remove(handler)
+    scan.forget()
     menu.unregister()
     properties.unregister()
     for cls in reversed(_classes):

@@ -25,6 +25,17 @@ def points(template):
     return numpy.vstack(found)
 
 
+def add_point(context, template, place):
+    """A marker more, on the template's marker object; one is made where there is none."""
+    ob = template.moulage.markers
+    if ob is None or ob.type != "MESH" or len(ob.data.polygons) > 0:
+        ob = template.moulage.markers = add_object(context, f"Markers of {template.name}", numpy.zeros((0, 3)))
+    mesh = ob.data
+    mesh.vertices.add(1)
+    mesh.vertices[len(mesh.vertices) - 1].co = ob.matrix_world.inverted_safe() @ place
+    mesh.update()
+
+
 def add_object(context, name, positions):
     """A mesh of loose points; the template's markers."""
     mesh = bpy.data.meshes.new(name)

@@ -15,6 +15,8 @@ class MOULAGE_MT_object(bpy.types.Menu):
         layout.operator("moulage.use_millimetres", text="Coordinates Are Millimetres")
         layout.separator()
         layout.operator("moulage.pick_landmarks", text="Click Landmark Pairs")
+        layout.operator_menu_enum("moulage.look_at_slice", "view")
+        layout.operator("moulage.click_markers")
         layout.operator("moulage.place_template")
         layout.operator("moulage.add_attachment")
         layout.operator("moulage.add_carried")
@@ -35,6 +37,7 @@ def _in_object_menu(self, _context):
 def _in_import_menu(self, _context):
     self.layout.operator("moulage.import_markers", text="Moulage Markers")
     self.layout.operator("moulage.import_landmarks", text="Moulage Landmarks")
+    self.layout.operator("moulage.load_scan", text="Moulage Scan")
 
 
 def _in_export_menu(self, _context):

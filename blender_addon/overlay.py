@@ -8,16 +8,19 @@ import mathutils
 import numpy
 from gpu_extras.batch import batch_for_shader
 
-from . import heat_map, landmarks, markers, properties, result, units
+from . import heat_map, landmarks, library, markers, mesh_data, properties, result, scan, units
 
 _LIMIT = 100_000
 # How far dots are drawn in front of their place, as a share of the markers' extent.
 _LIFT = 0.01
 _PLAIN = (1.0, 0.55, 0.1, 1.0)
 _LINE = (1.0, 0.85, 0.2, 1.0)
+_CONTOUR = (0.2, 1.0, 0.4, 1.0)
 _LEGEND_WIDTH, _LEGEND_HEIGHT = 220, 14
 
 _handles = []
+# The template's outline on the slices drawn last, and what it was made from.
+_cuts = {"stamp": None, "ends": None}
 # The markers drawn last, and what they were made from.
 _dots = {"stamp": None, "batch": None}
 
@@ -76,6 +79,51 @@ def _draw_pairs(template):
         batch.draw(shader)
 
 
+def _shown_points(template):
+    """The template as the result's slider shows it, in world coordinates (n, 3)."""
+    keys, name = template.data.shape_keys, template.moulage.result.key
+    points = mesh_data.rest_points(template.data)
+    key = keys.key_blocks.get(name) if keys and name else None
+    if key is not None and key.value > 0:
+        points = points + key.value * (mesh_data.key_points(key) - points)
+    return mesh_data.transform(mesh_data.matrix(template), points.astype(numpy.float64))
+
+
+def _contour(scene, template):
+    """Line segments in which the visible slices cut the template, as pairs of points."""
+    places = [(e.matrix_world.translation, e.matrix_world.col[2].xyz) for e in scan.slices(scene).values()
+              if e.visible_get()]
+    if not places:
+        return None
+    points, faces = _shown_points(template), mesh_data.triangles(template)
+    stamp = hash((points.tobytes(), faces.tobytes(), str(places)))
+    if stamp != _cuts["stamp"]:
+        ends = []
+        with library.calls() as package:
+            surface = package.TriMesh(points, faces)
+            for place, normal in places:
+                for line in package.section(surface, place, normal):
+                    ends.append(numpy.stack([line[:-1], line[1:]], axis=1).reshape(-1, 3))
+        _cuts.update(stamp=stamp, ends=numpy.vstack(ends).astype(numpy.float32) if ends else None)
+    return _cuts["ends"]
+
+
+def _draw_contour(context, template):
+    if not context.scene.moulage.show_contour or len(template.data.vertices) > _LIMIT or template.mode != "OBJECT":
+        return
+    try:
+        ends = _contour(context.scene, template)
+    except library.Wrong:
+        return
+    if ends is not None:
+        shader = _shader("UNIFORM_COLOR")
+        batch = batch_for_shader(shader, "LINES", {"pos": ends})
+        shader.uniform_float("color", _CONTOUR)
+        gpu.state.line_width_set(2.0)
+        batch.draw(shader)
+        gpu.state.line_width_set(1.0)
+
+
 def _draw_view():
     template = properties.template_of(bpy.context)
     if template is None:
@@ -83,6 +131,7 @@ def _draw_view():
     if template.moulage.show_markers:
         _draw_markers(template)
     _draw_pairs(template)
+    _draw_contour(bpy.context, template)
 
 
 def _draw_legend():
@@ -137,3 +186,4 @@ def unregister():
     while _handles:
         bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
     _dots.update(stamp=None, batch=None)
+    _cuts.update(stamp=None, ends=None)

@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import landmarks, library, properties, solve, units
+from . import landmarks, library, properties, scan, solve, units
 
 
 class _Panel:
@@ -64,13 +64,44 @@ class MOULAGE_PT_template(_Panel, bpy.types.Panel):
             column.operator("moulage.use_millimetres", icon="DRIVER_DISTANCE", text="Coordinates Are Millimetres")
 
 
+class MOULAGE_PT_scan(_Panel, bpy.types.Panel):
+    bl_label = "Scan"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.moulage
+        layout.operator("moulage.load_scan", icon="IMPORT")
+        there = scan.slices(context.scene)
+        if not there:
+            write(layout, context, "A CT or MRI, shown as slices on which markers can be clicked.", "INFO")
+            return
+        if scan.missing(context.scene):
+            write(layout, context, scan.missing(context.scene), "ERROR")
+        column = layout.column(align=True)
+        for view, empty in there.items():
+            row = column.row(align=True)
+            if view in scan.AXES:
+                row.prop(settings, view.lower())
+            else:
+                row.label(text="Oblique")
+            row.operator("moulage.look_at_slice", text="", icon="VIEW_ORTHO").view = view
+            row.prop(empty, "hide_viewport", text="")
+        row = layout.row(align=True)
+        row.prop(settings, "window_width")
+        row.prop(settings, "window_level")
+        layout.operator_menu_enum("moulage.scan_window", "preset", text="Presets")
+        layout.prop(settings, "scan_opacity")
+        layout.prop(settings, "show_contour")
+        layout.operator("moulage.click_markers", icon="EYEDROPPER")
+
+
 class MOULAGE_UL_landmarks(bpy.types.UIList):
     def draw_item(self, context, layout, _data, item, _icon, _active, _property):
         row = layout.row(align=True)
         row.prop(item, "use", text="")
         row.prop(item, "name", text="", emboss=False)
         figure = row.row()
-        figure.ui_units_x = 3.6
+        figure.ui_units_x = 4.4
         if item.template is None or item.target is None:
             figure.label(text="half", icon="ERROR")
         elif item.residual >= 0:
@@ -255,13 +286,14 @@ class MOULAGE_PT_result(_NeedsTemplate, bpy.types.Panel):
         column.scale_y = 0.8
         if kept.mean_distance >= 0:
             mean, largest = (units.text(context.scene, v) for v in (kept.mean_distance, kept.max_distance))
-            column.label(text=f"Markers off: mean {mean}, largest {largest}")
+            column.label(text=f"Markers: mean {mean},")
+            column.label(text=f"largest {largest}")
         column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
         if kept.inverted_tets:
             column.label(text=f"{kept.inverted_tets} inverted tets: folded there", icon="ERROR")
 
 
 classes = (
-    MOULAGE_UL_landmarks, MOULAGE_UL_carried, MOULAGE_PT_template, MOULAGE_PT_markers, MOULAGE_PT_landmarks,
+    MOULAGE_UL_landmarks, MOULAGE_UL_carried, MOULAGE_PT_template, MOULAGE_PT_scan, MOULAGE_PT_markers, MOULAGE_PT_landmarks,
     MOULAGE_PT_attachments, MOULAGE_PT_carried, MOULAGE_PT_reshape, MOULAGE_PT_tets, MOULAGE_PT_result,
 )

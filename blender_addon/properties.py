@@ -8,6 +8,9 @@ from bpy.props import (
     PointerProperty, StringProperty,
 )
 
+from . import scan
+from .library import Wrong
+
 
 def _is_mesh(_self, ob):
     return ob.type == "MESH"
@@ -156,9 +159,39 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     )
 
 
+def _draw_slice(view):
+    def update(_self, context):
+        try:
+            scan.draw(context, view) if view else scan.draw_all(context)
+        except Wrong:
+            # The panel says what is wrong with the scan.
+            pass
+
+    return update
+
+
+def _slider(view):
+    return FloatProperty(name=f"{view.capitalize()} (mm)", step=100, precision=1, update=_draw_slice(view))
+
+
 class MOULAGE_PG_scene(bpy.types.PropertyGroup):
     template: PointerProperty(
         name="Template", description="The mesh to put into the person's shape", type=bpy.types.Object, poll=_is_mesh
+    )
+    scan: StringProperty(name="Scan", description="File or folder of the image volume", subtype="FILE_PATH")
+    axial: _slider("AXIAL")
+    coronal: _slider("CORONAL")
+    sagittal: _slider("SAGITTAL")
+    window_width: FloatProperty(
+        name="Window", description="Values from black to white", default=400, min=1e-3, update=_draw_slice("")
+    )
+    window_level: FloatProperty(name="Level", description="The value in the middle", default=40, update=_draw_slice(""))
+    scan_opacity: FloatProperty(
+        name="Opacity", subtype="FACTOR", default=1.0, min=0.0, max=1.0, update=_draw_slice("")
+    )
+    show_contour: BoolProperty(
+        name="Outline of the template", description="Draw on the slices where they cut the template as it is shown",
+        default=True,
     )
 
 
@@ -177,6 +210,8 @@ classes = (
 
 
 def register():
+    # Which slice of the scan an empty is.
+    bpy.types.Object.moulage_slice = StringProperty()
     bpy.types.Object.moulage = PointerProperty(type=MOULAGE_PG_template)
     bpy.types.Scene.moulage = PointerProperty(type=MOULAGE_PG_scene)
     bpy.types.WindowManager.moulage = PointerProperty(type=MOULAGE_PG_runtime)
@@ -186,6 +221,7 @@ def unregister():
     del bpy.types.WindowManager.moulage
     del bpy.types.Scene.moulage
     del bpy.types.Object.moulage
+    del bpy.types.Object.moulage_slice
 
 
 def template_of(context):

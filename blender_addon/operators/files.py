@@ -7,7 +7,7 @@ import bpy
 import numpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from .. import landmarks, markers, mesh_data, problem, properties, solve
+from .. import landmarks, markers, problem, properties
 from ..library import Wrong, calls
 from .template import fail, poll_template
 
@@ -40,7 +40,8 @@ class MOULAGE_OT_import_markers(bpy.types.Operator, ImportHelper):
 
     def invoke(self, context, event):
         # Dropped files come with their names.
-        return self.execute(context) if self.filepath and event is None else ImportHelper.invoke(self, context, event)
+        dropped = any(f.name for f in self.files)
+        return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
 
     def execute(self, context):
         names = [Path(self.directory) / f.name for f in self.files if f.name] or [Path(self.filepath)]

@@ -6,7 +6,7 @@ import mathutils
 import numpy
 from bpy_extras import view3d_utils
 
-from .. import landmarks, markers, mesh_data, properties
+from .. import landmarks, markers, mesh_data, properties, scan
 from .template import poll_template
 
 # A click this near to a marker, in pixels, means the marker.
@@ -34,7 +34,7 @@ def point_on_template(context, template, origin, direction):
 
 
 def point_on_person(context, template, origin, direction):
-    """Where a ray meets the first visible mesh that is not the template; None if it misses all."""
+    """Where a ray meets the first visible mesh that is not the template, or slice; None if it misses all."""
     depsgraph = context.evaluated_depsgraph_get()
     own = {item.object for item in template.moulage.carried} | {template}
     best, distance = None, float("inf")
@@ -47,6 +47,9 @@ def point_on_person(context, template, origin, direction):
         place = ob.matrix_world @ place
         if hit and (place - origin).length < distance:
             best, distance = place, (place - origin).length
+    on_slice = scan.hit(context, origin, direction)
+    if on_slice is not None and (on_slice - origin).length < distance:
+        return on_slice
     return best
 
 
@@ -65,18 +68,15 @@ def nearest_marker(template, region, view, mouse):
     return mathutils.Vector(points[nearest]) if gaps[nearest] <= _SNAP else None
 
 
-class MOULAGE_OT_pick_landmarks(bpy.types.Operator):
-    """Click a place on the template, then the same place on the person (a mesh, or a marker); and so on.
-    Esc ends"""
+class _Clicks:
+    """A modal operator that takes clicks in a 3D view until Esc; the view can be moved meanwhile."""
 
-    bl_idname = "moulage.pick_landmarks"
-    bl_label = "Click Pairs"
     bl_options = {"REGISTER"}
 
     @classmethod
     def poll(cls, context):
         if bpy.app.background:
-            cls.poll_message_set("Needs a window; in scripts use moulage.add_landmark")
+            cls.poll_message_set("Needs a window")
             return False
         return poll_template(cls, context)
 
@@ -96,7 +96,14 @@ class MOULAGE_OT_pick_landmarks(bpy.types.Operator):
         if event.type == "LEFTMOUSE" and event.value == "PRESS":
             place = _view_under(context, event)
             if place is not None:
-                self._click(context, template, event, *place)
+                area, region = place
+                mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
+                view = area.spaces.active.region_3d
+                origin = view3d_utils.region_2d_to_origin_3d(region, view, mouse)
+                direction = view3d_utils.region_2d_to_vector_3d(region, view, mouse)
+                if self.click(context, template, (region, view, mouse), origin, direction):
+                    # Each click can be undone by itself.
+                    bpy.ops.ed.undo_push(message=self.bl_label)
                 self._tell(context)
                 return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}
@@ -110,34 +117,62 @@ class MOULAGE_OT_pick_landmarks(bpy.types.Operator):
         return {"FINISHED"}
 
     def _tell(self, context):
-        template = properties.template_of(context)
-        waiting = landmarks.incomplete(template)
-        where = f"the same place of the person for '{waiting.name}'" if waiting else "a place on the template"
-        context.workspace.status_text_set(f"Click {where}.   Esc: end")
+        context.workspace.status_text_set(f"Click {self.what(properties.template_of(context))}.   Esc: end")
         for area in context.screen.areas:
             area.tag_redraw()
 
-    def _click(self, context, template, event, area, region):
-        mouse = (event.mouse_x - region.x, event.mouse_y - region.y)
-        view = area.spaces.active.region_3d
-        origin = view3d_utils.region_2d_to_origin_3d(region, view, mouse)
-        direction = view3d_utils.region_2d_to_vector_3d(region, view, mouse)
+
+class MOULAGE_OT_pick_landmarks(_Clicks, bpy.types.Operator):
+    """Click a place on the template, then the same place on the person (a mesh, a slice, or a marker); and so on.
+    Esc ends"""
+
+    bl_idname = "moulage.pick_landmarks"
+    bl_label = "Click Pairs"
+
+    def what(self, template):
+        waiting = landmarks.incomplete(template)
+        return f"the same place of the person for '{waiting.name}'" if waiting else "a place on the template"
+
+    def click(self, context, template, screen, origin, direction):
         waiting = landmarks.incomplete(template)
         if waiting is None:
             point = point_on_template(context, template, origin, direction)
             if point is None:
                 self.report({"WARNING"}, "The click missed the template.")
-                return
+                return False
             landmarks.add(context, template, template_point=point)
-        else:
-            point = nearest_marker(template, region, view, mouse)
-            point = point or point_on_person(context, template, origin, direction)
-            if point is None:
-                self.report({"WARNING"}, "Nothing of the person is there: click a mesh or near a marker.")
-                return
-            landmarks.set_target(context, template, waiting, point)
-        # Each click can be undone by itself.
-        bpy.ops.ed.undo_push(message="Landmark")
+            return True
+        point = nearest_marker(template, *screen) or point_on_person(context, template, origin, direction)
+        if point is None:
+            self.report({"WARNING"}, "Nothing of the person is there: click a mesh, a slice or near a marker.")
+            return False
+        landmarks.set_target(context, template, waiting, point)
+        return True
+
+
+class MOULAGE_OT_click_markers(_Clicks, bpy.types.Operator):
+    """Click points of the organ's outline on the slices of the scan; each becomes a marker. Esc ends"""
+
+    bl_idname = "moulage.click_markers"
+    bl_label = "Click Markers on Slices"
+
+    @classmethod
+    def poll(cls, context):
+        if not scan.slices(context.scene):
+            cls.poll_message_set("Load a scan first")
+            return False
+        return super().poll(context)
+
+    def what(self, template):
+        return f"the outline of '{template.name}' on a slice, {len(markers.points(template))} markers so far"
+
+    def click(self, context, template, screen, origin, direction):
+        point = scan.hit(context, origin, direction)
+        if point is None:
+            self.report({"WARNING"}, "No slice of the scan is there.")
+            return False
+        markers.add_point(context, template, point)
+        return True
 
 
 def _view_under(context, event):
@@ -156,4 +191,4 @@ def _view_under(context, event):
     return None
 
 
-classes = (MOULAGE_OT_pick_landmarks,)
+classes = (MOULAGE_OT_pick_landmarks, MOULAGE_OT_click_markers)

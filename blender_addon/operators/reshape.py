@@ -5,7 +5,7 @@ import time
 
 import bpy
 
-from .. import landmarks, markers, properties, solve, units
+from .. import landmarks, properties, solve, units
 from ..library import Wrong
 from .template import fail, poll_template
 

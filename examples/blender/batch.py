@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 
 
-def main(folder, out):
+def main(folder, out, max_iterations=0):
     bpy.ops.wm.read_homefile(use_empty=True)
     bpy.ops.wm.obj_import(filepath=str(folder / "template.obj"), forward_axis="Y", up_axis="Z")
     template = bpy.context.selected_objects[0]
@@ -26,6 +26,7 @@ def main(folder, out):
     bpy.ops.moulage.import_landmarks(filepath=str(folder / "landmarks.csv"))
     template.moulage.tolerance = 0.3
     template.moulage.landmark_tolerance = 15.0
+    template.moulage.max_iterations = max_iterations
     bpy.ops.moulage.reshape()
     bpy.ops.moulage.show_heat_map(kind="STRETCH")
 

@@ -11,10 +11,12 @@ from .native import CANCELLED, Error, LibraryError, library
 from .reshaping import Reshaping, ReshapingResult, default_options
 from .shapes import Markers, Pairs, TetMesh, TriMesh
 from .tets import Progress, Run, Tetrahedralization
+from .volumes import Plane, Volume, section
 
 __all__ = [
-    "CANCELLED", "Error", "LibraryError", "Markers", "Pairs", "Progress", "Reshaping", "ReshapingResult", "Run",
-    "TetMesh", "Tetrahedralization", "TriMesh", "check_library", "default_options", "version",
+    "CANCELLED", "Error", "LibraryError", "Markers", "Pairs", "Plane", "Progress", "Reshaping", "ReshapingResult", "Run",
+    "TetMesh", "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "section",
+    "version",
 ]
 
 

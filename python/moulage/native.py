@@ -5,7 +5,7 @@ import ctypes
 import os
 import sys
 import threading
-from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint32, c_void_p
+from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uint32, c_void_p
 from pathlib import Path
 
 import numpy
@@ -103,6 +103,30 @@ class MlgProgress(Versioned):
     ]
 
 
+class MlgVolumeInfo(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("size", c_size_t * 3),
+        ("world_from_voxel", c_double * 12),
+        ("spacing", c_double * 3),
+        ("range", c_double * 2),
+        ("window", c_double * 2),
+        ("box_low", c_double * 3),
+        ("box_high", c_double * 3),
+    ]
+
+
+class MlgSlicePlane(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("corner", c_double * 3),
+        ("right", c_double * 3),
+        ("down", c_double * 3),
+        ("width", c_size_t),
+        ("height", c_size_t),
+    ]
+
+
 class MlgReshapingSummary(Versioned):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -131,6 +155,7 @@ _CALLS = {
     "tri_mesh_align": (
         _HANDLE, c_uint32, _ARRAY, _COUNT, _ARRAY, _ARRAY, _COUNT, _ARRAY, _ERROR,
     ),
+    "tri_mesh_section": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ARRAY, _OUT, _ERROR),
     "tet_mesh_new": (_ARRAY, _COUNT, _ARRAY, _COUNT, _OUT, _ERROR),
     "tet_mesh_load": (_PATH, _OUT, _ERROR),
     "tet_mesh_save": (_HANDLE, _PATH, _ERROR),
@@ -157,6 +182,11 @@ _CALLS = {
     "run_preview_points": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
     "run_wait_tetrahedralization": (_HANDLE, _OUT, _ERROR),
     "run_wait_reshaping": (_HANDLE, _OUT, _ERROR),
+    "volume_load": (_PATH, _OUT, _ERROR),
+    "volume_info": (_HANDLE, POINTER(MlgVolumeInfo), _ERROR),
+    "volume_notes": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
+    "volume_plane": (_HANDLE, _ARRAY, c_double, c_double, POINTER(MlgSlicePlane), _ERROR),
+    "volume_slice": (_HANDLE, POINTER(MlgSlicePlane), _ARRAY, c_uint32, _ARRAY, _COUNT, _ERROR),
     "reshaping_result_carry": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ERROR),
     "reshaping_result_summary": (_HANDLE, POINTER(MlgReshapingSummary), _ERROR),
     "reshaping_result_quality": (_HANDLE, POINTER(MlgTetQuality), _ERROR),
@@ -195,11 +225,14 @@ _GETTERS = {
     "reshaping_result_marker_distances": (POINTER(c_double), *_GETTER),
     "reshaping_result_max_stretches": (POINTER(c_double), *_GETTER),
     "reshaping_result_min_stretches": (POINTER(c_double), *_GETTER),
+    "polylines_points": (POINTER(c_double), *_GETTER),
+    "polylines_starts": (POINTER(c_size_t), *_GETTER),
+    "polylines_closed": (POINTER(c_uint8), *_GETTER),
     "run_cancel": (None, _HANDLE),
     **{
         f"{kind}_free": (None, _HANDLE)
         for kind in ("tri_mesh", "tet_mesh", "markers", "pairs", "tetrahedralization", "reshaping",
-                     "run", "reshaping_result")
+                     "run", "reshaping_result", "volume", "polylines")
     },
 }
 
@@ -355,6 +388,14 @@ def text(name, handle):
     buffer = ctypes.create_string_buffer(length.value + 1)
     call(name, handle, ctypes.addressof(buffer), len(buffer), byref(length))
     return buffer.value.decode("utf-8", "replace")
+
+
+def slice_plane(corner, right, down, width, height):
+    """A plane for a call."""
+    plane = MlgSlicePlane()
+    plane.corner[:], plane.right[:], plane.down[:] = corner, right, down
+    plane.width, plane.height = width, height
+    return plane
 
 
 def preview(handle):

@@ -1,9 +1,8 @@
 """Scenes for the tests: small templates with known persons, and the liver of examples/."""
 
 import importlib
-import json
 import os
-import sys
+import runpy
 from pathlib import Path
 
 import bmesh
@@ -79,6 +78,23 @@ def egg(points):
     return numpy.stack([1.3 * x + 0.1, y + 0.15 * x * x, 0.8 * z + 0.25 * x * x], axis=1)
 
 
+def write_egg_scan(path):
+    """An image of 2 mm around the origin at 0.1 mm: 1000 inside the egg, 0 outside."""
+    grid = numpy.linspace(-2, 2, 41)
+    z, y, x = numpy.meshgrid(grid, grid, grid, indexing="ij")
+    # Back from the egg to the ball.
+    bx = (x - 0.1) / 1.3
+    by, bz = y - 0.15 * bx * bx, (z - 0.25 * bx * bx) / 0.8
+    values = numpy.where(bx**2 + by**2 + bz**2 < 1, 1000, 0).astype("<i2")
+    head = (
+        "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 41 41 41\n"
+        "space directions: (0.1,0,0) (0,0.1,0) (0,0,0.1)\nspace origin: (-2,-2,-2)\nencoding: raw\n"
+        "endian: little\n\n"
+    )
+    path.write_bytes(head.encode() + values.tobytes())
+    return path
+
+
 def ball_and_markers(subdivisions=3, tet_count=600, iterations=6):
     """A ball that is to become an egg, with quick settings."""
     empty_scene()
@@ -93,15 +109,8 @@ def ball_and_markers(subdivisions=3, tet_count=600, iterations=6):
     return template
 
 
-def load_liver():
-    """The liver of examples/ by the add-on's own importers."""
-    empty_scene()
-    importer = bpy.ops.wm.obj_import
-    importer(filepath=str(LIVER / "template.obj"), forward_axis="Y", up_axis="Z")
-    template = bpy.context.selected_objects[0]
-    bpy.context.scene.moulage.template = template
-    bpy.ops.moulage.use_millimetres()
-    bpy.ops.moulage.import_markers(filepath=str(LIVER / "markers.csv"))
-    bpy.ops.moulage.import_landmarks(filepath=str(LIVER / "landmarks.csv"))
-    template.moulage.tolerance, template.moulage.landmark_tolerance = 0.3, 15.0
-    return template
+def run_example_script(out, max_iterations):
+    """examples/blender/batch.py on the liver; returns the template."""
+    script = runpy.run_path(str(ROOT / "examples" / "blender" / "batch.py"))
+    script["main"](LIVER, out, max_iterations)
+    return bpy.context.scene.moulage.template

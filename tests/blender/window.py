@@ -18,8 +18,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import run  # noqa: E402
 
 DIST, PICTURES = (Path(a).resolve() for a in sys.argv[sys.argv.index("--") + 1 :][:2])
+LIVER = Path(__file__).resolve().parents[2] / "examples" / "liver"
 # Seconds for a step, and for a run.
-LIMIT, RUN_LIMIT = 40, 300
+LIMIT, RUN_LIMIT = 90, 600
 
 
 def window():
@@ -173,6 +174,54 @@ def landmarks_by_clicks():
         assert hit < 1e-3, "the click did not take the marker"
 
 
+def scan_by_clicks():
+    """The scan with the result's outline; slices scrubbed by moving them; markers clicked on a slice."""
+    from mathutils import Vector
+
+    scene = bpy.context.scene
+    bpy.ops.moulage.load_scan(filepath=str(LIVER / "scan.nii.gz"))
+    scan = run_part("scan")
+    slices = scan.slices(scene)
+    slices["CORONAL"].hide_viewport = slices["SAGITTAL"].hide_viewport = True
+    scene.moulage.axial = 340
+    template().hide_set(True)
+    bpy.data.objects["markers"].hide_set(True)
+    template().moulage.show_markers = False
+    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+        bpy.ops.object.select_all(action="DESELECT")
+        slices["AXIAL"].select_set(True)
+        bpy.context.view_layer.objects.active = slices["AXIAL"]
+        bpy.ops.moulage.look_at_slice(view="AXIAL")
+    yield from pause(1)
+    press("G")
+    for key in ("Z", "TWO", "RET"):
+        window().event_simulate(type=key, value="PRESS", unicode="2" if key == "TWO" else None, x=600, y=500)
+        window().event_simulate(type=key, value="RELEASE", x=600, y=500)
+        yield from pause(0.3)
+    yield from until(lambda: abs(scene.moulage.axial - 342) < 1e-3, "the slider after the slice was moved")
+
+    template().moulage.markers = None
+    yield from search("Click Markers on Slices")
+    # On the outline of the result, which is drawn there.
+    outline = run_part("overlay")._contour(scene, template())
+    places = [Vector(outline[len(outline) * i // 5].tolist()) for i in range(5)]
+    for number, place in enumerate(places):
+        yield from click(*on_screen(place))
+        yield from until(lambda: len(run_part("markers").points(template())) == number + 1, "a marker")
+    press("ESC")
+    for place, mark in zip(places, run_part("markers").points(template())):
+        assert (place - Vector(mark)).length < 1.0, (place, mark)
+    press("Z", ctrl=True)
+    yield from until(lambda: len(run_part("markers").points(template())) == 4, "undo of one click")
+    press("Z", ctrl=True, shift=True)
+    yield from until(lambda: len(run_part("markers").points(template())) == 5, "redo of it")
+    template().moulage.show_markers = True
+    yield from picture("scan")
+    for empty in scan.slices(bpy.context.scene).values():
+        empty.hide_viewport = True
+    template().hide_set(False)
+
+
 def run_part(name):
     import importlib
 
@@ -183,8 +232,7 @@ def session():
     yield from pause(1)
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
-    liver = Path(__file__).resolve().parents[2] / "examples" / "liver"
-    bpy.ops.wm.obj_import(filepath=str(liver / "template.obj"), forward_axis="Y", up_axis="Z")
+    bpy.ops.wm.obj_import(filepath=str(LIVER / "template.obj"), forward_axis="Y", up_axis="Z")
     bpy.context.view_layer.objects.active = bpy.context.selected_objects[0]
     bpy.context.preferences.view.show_splash = False
     press("ESC")
@@ -201,14 +249,16 @@ def session():
     yield from search("Check Template")
     yield from until(lambda: template().moulage.checked, "the check")
     yield from look_at_everything()
-    bpy.ops.moulage.import_markers(filepath=str(liver / "markers.csv"))
+    bpy.ops.moulage.import_markers(filepath=str(LIVER / "markers.csv"))
     assert len(template().moulage.markers.data.vertices) == 308
     yield from picture("template_and_markers")
 
     yield from landmarks_by_clicks()
     bpy.ops.moulage.remove_landmark(all=True)
-    bpy.ops.moulage.import_landmarks(filepath=str(liver / "landmarks.csv"))
+    bpy.ops.moulage.import_landmarks(filepath=str(LIVER / "landmarks.csv"))
     template().moulage.tolerance, template().moulage.landmark_tolerance = 0.3, 15.0
+    # Fewer tets than usual: the session is about the window.
+    template().moulage.tet_count = 5000
     yield from look_at_everything()
     yield from picture("landmarks")
     bpy.ops.ed.undo_push(message="ready")
@@ -237,6 +287,9 @@ def session():
     bpy.ops.moulage.show_heat_map(kind="STRETCH")
     yield from picture("heat_map_stretch")
     bpy.ops.moulage.show_heat_map(kind="NONE")
+
+    yield from scan_by_clicks()
+    template().moulage.markers = bpy.data.objects["markers"]
 
     # The template is deleted during a run.
     bpy.ops.ed.undo_push(message="before deleting")

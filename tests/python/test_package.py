@@ -135,6 +135,35 @@ class Arrays(unittest.TestCase):
         numpy.testing.assert_allclose(back.points, self.points[:2])
 
 
+class Volumes(unittest.TestCase):
+    def test_a_nrrd_is_sliced_at_its_place_in_the_world(self):
+        values = numpy.zeros((4, 5, 6), numpy.int16)
+        values[3, 4, 5] = 1000  # z, y, x: the farthest corner
+        head = (
+            "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 6 5 4\n"
+            "space directions: (2,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\nencoding: raw\nendian: little\n\n"
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "a.nrrd"
+            path.write_bytes(head.encode() + values.tobytes())
+            volume = moulage.Volume(path)
+        info = volume.info
+        numpy.testing.assert_allclose(info["world_from_voxel"], [[2, 0, 0, 10], [0, 2, 0, 20], [0, 0, 3, 30]])
+        plane = volume.plane((0, 0, 1), 39.0)
+        pixels = volume.slice(plane, (1000, 500))
+        row, column = numpy.unravel_index(pixels[:, :, 0].argmax(), pixels.shape[:2])
+        place = plane.corner + column * plane.right + row * plane.down
+        numpy.testing.assert_allclose(place, [20, 28, 39], atol=1.0)
+
+    def test_a_plane_cuts_a_cube_in_a_square(self):
+        surface = moulage.TriMesh(*cube())
+        (line,) = moulage.section(surface, (0.5, 0.5, 0.25), (0, 0, 1))
+        numpy.testing.assert_allclose(line[:, 2], 0.25)
+        length = numpy.linalg.norm(numpy.diff(line, axis=0), axis=1).sum()
+        self.assertAlmostEqual(length, 4.0)
+        self.assertEqual(moulage.section(surface, (0, 0, 5), (0, 0, 1)), [])
+
+
 class LibraryFile(unittest.TestCase):
     def sentence_with(self, path):
         code = "import moulage\ntry:\n    moulage.check_library()\nexcept moulage.LibraryError as e:\n    print(e)"

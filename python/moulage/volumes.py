@@ -1,0 +1,86 @@
+"""Medical images, slices of them, and the lines in which planes cut surfaces. All in millimetres, RAS."""
+
+import numpy
+
+from . import native
+from .native import address, array
+from .shapes import Handle
+
+
+class Plane:
+    """A rectangle of square pixels: `corner` is the centre of the first (top left) pixel, `right` and
+    `down` the steps to the next pixel and row, `width` and `height` the numbers of pixels."""
+
+    def __init__(self, corner, right, down, width, height):
+        self.corner, self.right, self.down = (numpy.asarray(v, dtype=float) for v in (corner, right, down))
+        self.width, self.height = int(width), int(height)
+
+    def _struct(self):
+        return native.slice_plane(self.corner, self.right, self.down, self.width, self.height)
+
+    @property
+    def centre(self):
+        """The middle of the rectangle."""
+        return self.corner + self.right * (self.width - 1) / 2 + self.down * (self.height - 1) / 2
+
+
+class Volume(Handle):
+    """An image: NIfTI, NRRD, MetaImage, or a folder of DICOM slices."""
+
+    kind = "volume"
+
+    def __init__(self, path):
+        super().__init__(native.make("volume_load", native.path(path)))
+
+    @property
+    def info(self):
+        """A dict: size, world_from_voxel (3, 4), spacing, range, window (width, level), box_low, box_high."""
+        found = native.fill("volume_info", self._handle, native.MlgVolumeInfo())
+        found = {name: numpy.array(value) for name, value in found.items()}
+        found["world_from_voxel"] = found["world_from_voxel"].reshape(3, 4)
+        return found
+
+    @property
+    def notes(self):
+        """What was noticed while reading, one sentence each."""
+        return native.text("volume_notes", self._handle).splitlines()
+
+    def plane(self, axis, position, pixel=0.0):
+        """A plane as large as the image needs. `axis`: (0, 0, 1) axial, (0, 1, 0) coronal, (1, 0, 0) sagittal,
+        or any other; `position`: millimetres along it; `pixel`: 0 for the image's smallest spacing."""
+        axis = array([axis], 3, numpy.float64, "axis")
+        found = native.MlgSlicePlane()
+        native.call("volume_plane", self._handle, address(axis), position, pixel, found)
+        return Plane(found.corner[:], found.right[:], found.down[:], found.width, found.height)
+
+    def slice(self, plane, window=None):
+        """Red, green, blue, alpha (height, width, 4), uint8, rows from the top. `window`: width and level."""
+        pixels = numpy.empty((plane.height, plane.width, 4), numpy.uint8)
+        window = None if window is None else array(window, 1, numpy.float64, "window")
+        native.call(
+            "volume_slice", self._handle, plane._struct(), address(window), 4, address(pixels), pixels.size
+        )
+        return pixels
+
+
+class _Polylines(Handle):
+    kind = "polylines"
+
+
+def section(surface, plane_point, plane_normal, points=None):
+    """The lines in which a plane cuts a TriMesh: a list of (n, 3) arrays; closed ones end where they begin.
+    `points`: in place of the surface's own."""
+    points = None if points is None else array(points, 3, numpy.float64, "points")
+    place = array([plane_point], 3, numpy.float64, "plane_point")
+    normal = array([plane_normal], 3, numpy.float64, "plane_normal")
+    count = 0 if points is None else len(points)
+    lines = _Polylines._take(
+        native.make(
+            "tri_mesh_section", surface._handle, address(points), count, address(place), address(normal)
+        )
+    )
+    corners = native.borrowed("polylines_points", lines._handle, 3, numpy.float64)
+    starts = native.borrowed("polylines_starts", lines._handle, 1, numpy.uint64).astype(int)
+    closed = native.borrowed("polylines_closed", lines._handle, 1, numpy.uint8)
+    found = [corners[start:end] for start, end in zip(starts, starts[1:])]
+    return [numpy.vstack([line, line[:1]]) if ring else line for line, ring in zip(found, closed)]
