@@ -9,11 +9,11 @@ mkdir -p target/blender
 
 for version in 4.2.23 4.5.15 5.0.1; do
     venv=target/blender/bpy-$version
-    if [ ! -x "$venv/ready" ]; then
+    if [ ! -e "$venv/ready" ]; then
         # Blender's wheels are for Python 3.11.
         python3.11 -m venv "$venv"
         "$venv/bin/pip" install -q --no-cache-dir "bpy==$version" numpy
-        touch "$venv/ready" && chmod +x "$venv/ready"
+        touch "$venv/ready"
     fi
     tool=$(echo "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
     "$venv/bin/python" "$tool" validate "$dist"/moulage-*-linux-x64.zip
