@@ -35,5 +35,29 @@ int main() {
     } catch (const moulage::Error &error) {
         CHECK(error.status() == MLG_STATUS_INVALID_ARGUMENT && std::string(error.what()).size() > 10);
     }
+
+    // Distances, placing, tets on a thread.
+    CHECK(mesh.check().empty() && problem.check().empty());
+    CHECK(mesh.distances_to(moulage::view_of(markers)).size() == POINTS);
+    CHECK(mesh.distances_of(mesh.points())[5] < 1e-12);
+    CHECK(result.max_stretches()[0] >= result.min_stretches()[0]);
+    const std::vector<double> still =
+        mesh.align(MLG_ALIGN_RIGID, {}, mesh.points(), mesh.points());
+    CHECK(std::fabs(still[0] - 1) < 1e-9 && std::fabs(still[3]) < 1e-9);
+    CHECK(moulage::start_tets(mesh, options).wait_tets().quality().inverted_count == 0);
+
+    // A skeleton of one bone on the same bone, larger.
+    std::vector<double> larger = points;
+    for (double &c : larger) c *= 1.1;
+    const moulage::Skeleton skeleton({{sizeof(MlgBone), "ball", mesh.get()}}, {});
+    CHECK(skeleton.bone_count() == 1 && skeleton.bone_name(0) == "ball" && skeleton.bone_name(1).empty());
+    moulage::Registration registration(skeleton);
+    registration.set_target(moulage::TriMesh(larger, triangles));
+    auto close = moulage::registration_options();
+    close.align = 0;
+    const moulage::RegistrationResult found = registration.run(close);
+    CHECK(found.skeleton().bone_points(0).size == points.size());
+    CHECK(found.summary().mean_residual < 0.05 && found.bone_fit(0).seen > 0.5);
+    CHECK(std::fabs(found.carry(mesh)[2] - found.skeleton().points()[2]) < 0.1);
     std::puts("raii: good");
 }
