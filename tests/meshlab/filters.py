@@ -1,0 +1,387 @@
+"""The filters in PyMeshLab: filters.py PLUGIN WORK CLI
+
+Geometry is compared with what the command line makes of the same files; what MeshLab keeps beside
+positions (texture coordinates, colours, quality, selection) must be equal bit by bit.
+"""
+
+import csv
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pymeshlab
+from pymeshlab import PureValue
+
+PLUGIN, WORK, CLI = sys.argv[1:]
+RESHAPE = "apply_coord_reshape_to_markers"
+REGISTER = "apply_coord_register_skeleton"
+TETS = "get_tetrahedralization_quality"
+DISTANCE = "compute_scalar_by_distance_to_markers_per_vertex"
+EXAMPLES = os.path.join(os.path.dirname(__file__), "..", "..", "examples")
+OUT = os.path.join(WORK, "out")
+os.makedirs(OUT, exist_ok=True)
+
+pymeshlab.load_plugin(PLUGIN)
+
+
+def sphere(radii=(1, 1, 1), rings=12, sides=16):
+    """Points and outward triangles of an ellipsoid."""
+    polar = np.pi * np.arange(1, rings) / rings
+    turn = 2 * np.pi * np.arange(sides) / sides
+    p, t = np.meshgrid(polar, turn, indexing="ij")
+    ring = np.stack([np.sin(p) * np.cos(t), np.sin(p) * np.sin(t), np.cos(p)], -1).reshape(-1, 3)
+    points = np.vstack([[0, 0, 1], ring, [0, 0, -1]]) * radii
+    at = lambda r, s: 1 + (r - 1) * sides + s % sides
+    faces = []
+    for s in range(sides):
+        faces.append([0, at(1, s), at(1, s + 1)])
+        for r in range(1, rings - 1):
+            faces.append([at(r, s), at(r + 1, s), at(r + 1, s + 1)])
+            faces.append([at(r, s), at(r + 1, s + 1), at(r, s + 1)])
+        faces.append([len(points) - 1, at(rings - 1, s + 1), at(rings - 1, s)])
+    return points, np.array(faces, dtype=np.int32)
+
+
+def block(centre, half, n=9):
+    """A box whose faces are grids."""
+    points, faces = [], []
+    line = np.linspace(-1, 1, n)
+    for axis in range(3):
+        for side in (1, -1):
+            first = len(points)
+            for a in line:
+                for b in line:
+                    p = np.zeros(3)
+                    p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = side, side * a, b
+                    points.append(p * half + centre)
+            for i in range(n - 1):
+                for j in range(n - 1):
+                    a = first + i * n + j
+                    faces += [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]]
+    return np.array(points), np.array(faces, dtype=np.int32)
+
+
+def add(ms, points, faces=None, label="", **more):
+    mesh = pymeshlab.Mesh(points) if faces is None else pymeshlab.Mesh(points, faces, **more)
+    ms.add_mesh(mesh, label)
+    return ms.current_mesh_id()
+
+
+def save_ply(path, points, faces=None):
+    """Text with all digits, for the command line."""
+    with open(path, "w") as f:
+        f.write(f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n")
+        f.write("property double x\nproperty double y\nproperty double z\n")
+        if faces is not None:
+            f.write(f"element face {len(faces)}\nproperty list uchar int vertex_indices\n")
+        f.write("end_header\n")
+        f.writelines(" ".join(repr(float(c)) for c in p) + "\n" for p in points)
+        if faces is not None:
+            f.writelines("3 " + " ".join(map(str, t)) + "\n" for t in faces)
+    return path
+
+
+def vertices_of(path):
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(path)
+    return ms.current_mesh().vertex_matrix()
+
+
+def cli(*arguments):
+    subprocess.run([CLI, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+
+
+def fails(words, action):
+    try:
+        action()
+    except pymeshlab.PyMeshLabException as error:
+        assert words in str(error), f"{words!r} is not in: {error}"
+    else:
+        raise AssertionError(f"no error with: {words}")
+
+
+def error_of(ms, filter_name, words, **parameters):
+    """The filter must fail with these words and leave the current layer as it was."""
+    before = ms.current_mesh().vertex_matrix()
+    fails(words, lambda: ms.apply_filter(filter_name, **parameters))
+    assert np.array_equal(before, ms.current_mesh().vertex_matrix())
+
+
+POINTS, FACES = sphere()
+MARKERS = POINTS[::3] * [1.5, 1, 0.8]
+RIGID = np.array([[0, -1, 0, 5], [1, 0, 0, -2], [0, 0, 1, 3], [0, 0, 0, 1.0]])
+
+
+def markers_as_the_command_line():
+    template = save_ply(f"{OUT}/template.ply", POINTS, FACES)
+    markers = save_ply(f"{OUT}/markers.ply", MARKERS)
+    cli("reshape", "--template", template, "--markers", markers, "--tolerance", 0.0078125,
+        "--tets", "lattice", "--tet-count", 1500, "-o", f"{OUT}/person.ply")
+    wanted = vertices_of(f"{OUT}/person.ply")
+    options = dict(tolerance=PureValue(0.0078125), tets="Lattice", tet_count=1500)
+
+    # Texture coordinates, colours, quality and selection beside the positions.
+    random = np.random.default_rng(1)
+    wedges = random.random((len(FACES) * 3, 2))
+    kept = dict(w_tex_coords_matrix=wedges, v_color_matrix=random.random((len(POINTS), 4)),
+                v_scalar_array=random.random(len(POINTS)))
+    ms = pymeshlab.MeshSet()
+    marker_layer = add(ms, MARKERS, label="markers")
+    add(ms, POINTS, FACES, "template", **kept)
+    ms.compute_selection_by_condition_per_vertex(condselect="x > 0.5")
+    mesh = ms.current_mesh()
+    before = [mesh.wedge_tex_coord_matrix(), mesh.vertex_color_matrix(), mesh.vertex_scalar_array(),
+              mesh.vertex_selection_array(), mesh.face_matrix()]
+    figures = ms.apply_filter(RESHAPE, markers=marker_layer, **options)
+    mesh = ms.current_mesh()
+    after = [mesh.wedge_tex_coord_matrix(), mesh.vertex_color_matrix(), mesh.vertex_scalar_array(),
+             mesh.vertex_selection_array(), mesh.face_matrix()]
+    for b, a in zip(before, after):
+        assert np.array_equal(b, a)
+    assert before[3].any() and not before[3].all()
+    assert np.array_equal(mesh.vertex_matrix(), wanted), np.abs(mesh.vertex_matrix() - wanted).max()
+    assert figures["mean_marker_distance"] < 0.01 and figures["inverted_tets"] == 0
+
+    # The same with each layer in a frame of its own.
+    ms = pymeshlab.MeshSet()
+    back = np.linalg.inv(RIGID)
+    marker_layer = add(ms, MARKERS @ back[:3, :3].T + back[:3, 3], label="markers")
+    ms.set_matrix(transformmatrix=RIGID, freeze=False)
+    add(ms, POINTS, FACES, "template")
+    ms.apply_filter(RESHAPE, markers=marker_layer, **options)
+    # The matrices' rounding is enough to send the solver another way, to a shape that is as good.
+    far = np.abs(ms.current_mesh().vertex_matrix() - wanted).max()
+    assert far < 0.0078125, far
+    ms.set_matrix(transformmatrix=RIGID, freeze=False)
+    ms.set_current_mesh(marker_layer)
+    assert np.array_equal(ms.current_mesh().transform_matrix(), RIGID)
+
+    # Quality: the stretch, or the distance to the markers, equal to the command line's.
+    cli("reshape", "--template", template, "--markers", markers, "--tolerance", 0.0078125, "--tets",
+        "lattice", "--tet-count", 1500, "--ply-out", f"{OUT}/maps.ply", "-o", f"{OUT}/person.ply")
+    stretch, distance = (scalar_of(f"{OUT}/maps.ply", name) for name in ("stretch", "marker_distance"))
+    for choice, values in (("Largest stretch", stretch), ("Distance to the nearest marker", distance)):
+        ms = pymeshlab.MeshSet()
+        marker_layer = add(ms, MARKERS)
+        add(ms, POINTS, FACES)
+        ms.apply_filter(RESHAPE, markers=marker_layer, quality=choice, **options)
+        found = ms.current_mesh().vertex_scalar_array()
+        assert np.allclose(found, values, rtol=1e-5, atol=1e-7), np.abs(found - values).max()
+    print("reshape: as the command line; all else kept; matrices; quality")
+
+
+def scalar_of(path, name):
+    """A property of the vertices of a PLY file that the command line wrote."""
+    with open(path, "rb") as f:
+        data = f.read()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    head = data[:end].decode().split("\n")
+    count = next(int(line.split()[2]) for line in head if line.startswith("element vertex"))
+    kinds = {"double": "<f8", "float": "<f4", "uchar": "u1"}
+    names = []
+    for line in head[head.index(f"element vertex {count}") + 1:]:
+        if not line.startswith("property"):
+            break
+        names.append((line.split()[2], kinds[line.split()[1]]))
+    if "format ascii 1.0" in head:
+        rows = data[end:].decode().split("\n")[:count]
+        column = [n for n, _ in names].index(name)
+        return np.array([float(row.split()[column]) for row in rows])
+    return np.frombuffer(data, dtype=names, count=count, offset=end)[name]
+
+
+def landmarks_alignment_and_bones():
+    names = {"top": 0, "bottom": len(POINTS) - 1, "front": 1 + 5 * 16, "left": 1 + 5 * 16 + 4}
+
+    def pp(path, place):
+        points = "".join(f'<point active="1" name="{n}" x="{p[0]!r}" y="{p[1]!r}" z="{p[2]!r}"/>'
+                         for n, p in ((n, list(map(float, place(v)))) for n, v in names.items()))
+        with open(path, "w") as f:
+            f.write(f"<!DOCTYPE PickedPoints><PickedPoints><DocumentData/>{points}</PickedPoints>")
+        return path
+
+    person = lambda v: POINTS[v] * [1.5, 1, 0.8]
+    back = np.linalg.inv(RIGID)
+    on_template = pp(f"{OUT}/template.pp", lambda v: POINTS[v])
+    on_person = pp(f"{OUT}/person.pp", lambda v: back[:3, :3] @ person(v) + back[:3, 3])
+    ms = pymeshlab.MeshSet()
+    marker_layer = add(ms, MARKERS @ back[:3, :3].T + back[:3, 3])
+    ms.set_matrix(transformmatrix=RIGID, freeze=False)
+    add(ms, POINTS, FACES)
+    options = dict(markers=marker_layer, template_landmarks=on_template, person_landmarks=on_person,
+                   landmark_tolerance=PureValue(0.0078125), tolerance=PureValue(0.0078125), tets="Lattice",
+                   tet_count=1500)
+    figures = ms.apply_filter(RESHAPE, **options)
+    moved = ms.current_mesh().vertex_matrix()
+    for vertex in names.values():
+        assert np.linalg.norm(moved[vertex] - person(vertex)) < 0.05
+    assert figures["mean_marker_distance"] < 0.01
+
+    # A template that lies elsewhere, twice as large: its landmarks bring it to the person.
+    far = POINTS * 2 + [30, 0, 0]
+    ms.clear()
+    marker_layer = add(ms, MARKERS)
+    add(ms, far, FACES)
+    options.update(markers=marker_layer, align="Turn, move and scale",
+                   template_landmarks=pp(f"{OUT}/far.pp", lambda v: far[v]),
+                   person_landmarks=pp(f"{OUT}/near.pp", person))
+    ms.apply_filter(RESHAPE, **options)
+    moved = ms.current_mesh().vertex_matrix()
+    assert all(np.linalg.norm(moved[v] - person(v)) < 0.05 for v in names.values())
+
+    # A bone at the top that the person has 0.5 higher.
+    bone = POINTS[:17] * 1.01
+    ms.clear()
+    bone_layer = add(ms, bone)
+    there_layer = add(ms, bone + [0, 0, 0.5])
+    marker_layer = add(ms, POINTS[-40:])
+    add(ms, POINTS, FACES)
+    ms.apply_filter(RESHAPE, markers=marker_layer, bone=bone_layer, person_bone=there_layer,
+                    attachment_distance=PureValue(0.05), tets="Lattice", tet_count=1500)
+    moved = ms.current_mesh().vertex_matrix()
+    assert abs(moved[0][2] - 1.5) < 0.1, moved[0]
+    print("reshape: landmarks in .pp, alignment, attachments")
+
+
+def liver():
+    options = ["--tolerance", 0.25, "--landmark-tolerance", 15, "--tets", "lattice", "--tet-count", 2000]
+    cli("reshape", "--template", f"{EXAMPLES}/liver/template.obj", "--markers",
+        f"{EXAMPLES}/liver/markers.csv", "--landmarks", f"{EXAMPLES}/liver/landmarks.csv", *options,
+        "-o", f"{OUT}/liver_cli.ply")
+    wanted = vertices_of(f"{OUT}/liver_cli.ply")
+    with open(f"{EXAMPLES}/liver/markers.csv") as f:
+        rows = csv.DictReader(line for line in f if not line.startswith("#"))
+        markers = np.array([[float(row[c]) for c in ("x_mm", "y_mm", "z_mm")] for row in rows])
+    ms = pymeshlab.MeshSet()
+    marker_layer = add(ms, markers, label="markers")
+    ms.load_new_mesh(f"{EXAMPLES}/liver/template.obj")
+    figures = ms.apply_filter(RESHAPE, markers=marker_layer, tolerance=PureValue(0.25), tets="Lattice",
+                              tet_count=2000, template_landmarks=f"{EXAMPLES}/liver/landmarks.csv",
+                              landmark_tolerance=PureValue(15))
+    far = np.abs(ms.current_mesh().vertex_matrix() - wanted).max()
+    assert far == 0, f"{far} mm from the command line's"
+    assert figures["mean_marker_distance"] < 0.25, figures
+    print(f"liver: as the command line, markers {figures['mean_marker_distance']:.3f} mm off in the mean")
+
+
+def skeletons():
+    thigh, faces = block(np.zeros(3), np.array([10, 2, 3.0]))
+    shank, _ = block(np.array([18, 0, 0.0]), np.array([7, 1.5, 2.5]))
+    person = lambda p: p * [1.2, 1, 1] + [3, -2, 1]
+    both = np.vstack([thigh, shank]), np.vstack([faces, faces + len(thigh)])
+    ms = pymeshlab.MeshSet()
+    thigh_layer = add(ms, thigh, faces, "thigh")
+    shank_layer = add(ms, shank @ RIGID[:3, :3] - RIGID[:3, 3] @ RIGID[:3, :3], faces, "shank")
+    ms.set_matrix(transformmatrix=RIGID, freeze=False)
+    target = add(ms, person(both[0]), both[1], "scan")
+    saved = f"{OUT}/person.skeleton.json"
+    figures = ms.apply_filter(REGISTER, target=target, joints="thigh-shank", align=False, save=saved)
+    assert figures["joints_outside"] == 0 and figures["mean_residual"] < 0.05, figures
+    found = ms.mesh(thigh_layer).vertex_matrix()
+    assert np.abs(found - person(thigh)).max() < 0.5
+    moved = ms.mesh(shank_layer).transformed_vertex_matrix()
+    assert np.abs(moved - person(shank)).max() < 0.5
+    assert np.array_equal(ms.mesh(target).vertex_matrix(), person(both[0]))
+    error_of(ms, REGISTER, "does not name two visible bone layers", target=target, joints="thigh-foot")
+
+    # The file, put on the same surface again: bones without a layer get one.
+    ms = pymeshlab.MeshSet()
+    target = add(ms, person(both[0]), both[1], "scan")
+    ms.apply_filter(REGISTER, target=target, skeleton=saved, align=False)
+    assert ms.mesh_number() == 3
+    again = {m.label(): m for m in ms}
+    assert np.abs(again["thigh"].vertex_matrix() - found).max() < 0.1
+
+    # The command line's own answer to the same question.
+    scan = save_ply(f"{OUT}/scan.ply", person(both[0]), both[1])
+    cli("register", saved, "--target", scan, "--no-align", "-o", f"{OUT}/registered")
+    for name in ("thigh", "shank"):
+        wanted = vertices_of(f"{OUT}/registered/bones/{name}.obj")
+        assert np.array_equal(again[name].vertex_matrix(), wanted), name
+
+    ms = pymeshlab.MeshSet()
+    target = add(ms, person(both[0]), both[1], "scan")
+    error_of(ms, REGISTER, "There is no bone", target=target)
+    error_of(ms, REGISTER, "nowhere.skeleton.json", target=target, skeleton="nowhere.skeleton.json")
+    add(ms, thigh[:5], label="thigh")
+    ms.set_current_mesh(target)
+    error_of(ms, REGISTER, "has 5 vertices and the bone of that name", target=target, skeleton=saved)
+    print("register: layers with joints, a file, as the command line")
+
+
+def tets_and_distances():
+    ms = pymeshlab.MeshSet()
+    marker_layer = add(ms, np.array([[0, 0, 3.0], [0, 0, -1]]))
+    add(ms, POINTS, FACES)
+    figures = ms.apply_filter(TETS, tets="Lattice", tet_count=1500, save=f"{OUT}/tets.vtu")
+    assert 1000 < figures["tet_count"] < 3000 and figures["inverted_tets"] == 0
+    assert 0 < figures["min_dihedral"] < 60 < figures["max_dihedral"] < 180
+    assert figures["dihedral_histogram"].sum() == 6 * figures["tet_count"]
+    assert os.path.getsize(f"{OUT}/tets.vtu") > 10000
+    assert np.array_equal(ms.current_mesh().vertex_matrix(), POINTS)
+    figures = ms.apply_filter(DISTANCE, markers=marker_layer)
+    assert figures["mean_marker_distance"] == 1 and figures["max_marker_distance"] == 2
+    quality = ms.current_mesh().vertex_scalar_array()
+    assert quality[0] == 2 and quality[-1] == 0
+    colours = ms.current_mesh().vertex_color_matrix()
+    assert not np.array_equal(colours[0], colours[-1])
+    ms.apply_filter(DISTANCE, markers=marker_layer, colorize=False)
+    print("tets and distances")
+
+
+def mistakes():
+    ms = pymeshlab.MeshSet()
+    empty = add(ms, MARKERS, label="nothing")
+    ms.set_selection_all()
+    ms.meshing_remove_selected_vertices()
+    few = add(ms, MARKERS[:2], label="few")
+    inches = add(ms, MARKERS * 1000, label="inches")
+    marker_layer = add(ms, MARKERS, label="markers")
+    own = add(ms, POINTS, FACES, "template")
+    error_of(ms, RESHAPE, "markers are the template itself", markers=own)
+    error_of(ms, RESHAPE, 'layer "nothing" has no points', markers=empty)
+    error_of(ms, RESHAPE, "do not determine a shape", markers=few)
+    error_of(ms, RESHAPE, "bring both to one unit", markers=inches)
+    error_of(ms, RESHAPE, "a tet count of 3 cannot be met", markers=marker_layer, tet_count=3)
+    error_of(ms, RESHAPE, "nowhere.pp", markers=marker_layer, template_landmarks="nowhere.pp",
+             person_landmarks="nowhere.pp")
+    error_of(ms, RESHAPE, "need landmarks on the template", markers=marker_layer,
+             person_landmarks="nowhere.pp")
+    error_of(ms, RESHAPE, "no vertex of the bone is within", markers=marker_layer, bone=inches,
+             attachment_distance=PureValue(0.01))
+    error_of(ms, RESHAPE, "tetgen", markers=marker_layer, tets="TetGen", tetgen="/nowhere/tetgen")
+    error_of(ms, DISTANCE, "markers are the surface itself", markers=own)
+    ms.set_current_mesh(marker_layer)
+    fails("", lambda: ms.apply_filter(TETS))
+    fails("", lambda: pymeshlab.MeshSet().apply_filter(RESHAPE))
+    print("mistakes")
+
+
+def scripts():
+    ms = pymeshlab.MeshSet()
+    marker_layer = add(ms, MARKERS)
+    add(ms, POINTS, FACES)
+    script = f"{OUT}/reshape.mlx"
+    with open(script, "w") as f:
+        f.write(f"""<!DOCTYPE FilterScript><FilterScript><filter name="Reshape Template to Markers">
+            <Param type="RichMesh" name="markers" value="{marker_layer}"/>
+            <Param type="RichAbsPerc" name="tolerance" value="0.0078125" min="0" max="10"/>
+            <Param type="RichEnum" name="tets" value="2" enum_cardinality="3" enum_val0="Automatic"
+             enum_val1="TetGen" enum_val2="Lattice"/>
+            <Param type="RichInt" name="tet_count" value="1500"/>
+            </filter></FilterScript>""")
+    ms.load_filter_script(script)
+    ms.apply_filter_script()
+    assert np.array_equal(ms.current_mesh().vertex_matrix(), vertices_of(f"{OUT}/person.ply"))
+    print(".mlx script")
+
+
+markers_as_the_command_line()
+landmarks_alignment_and_bones()
+skeletons()
+tets_and_distances()
+mistakes()
+scripts()
+liver()
+print("filters: good")
