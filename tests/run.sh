@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(core c images python blender)
+parts=(core c images python blender meshlab)
 
 install_debian() {
     local missing=()
@@ -62,6 +62,13 @@ run_images() {
     "$tools/bin/pip" install --quiet numpy pillow pydicom SimpleITK
     "$tools/bin/python" tests/images/formats.py target/debug/moulage
     rm -rf "$tools"
+}
+
+# The MeshLab filter, built from Debian's MeshLab sources, in PyMeshLab.
+run_meshlab() {
+    install_debian python3 python3-venv gcc g++ make cmake binutils xz-utils ca-certificates \
+        libqt5opengl5-dev libglew-dev libeigen3-dev libgl1 libopengl0
+    bash tests/meshlab/run.sh
 }
 
 # Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.
