@@ -67,7 +67,8 @@ unsafe fn use_mesh(
         assert_ne!(status, MlgStatus::Panic);
         status == MlgStatus::Ok
     };
-    let (none, count) = (ptr::null_mut(), markers.len() / 3);
+    let none: *mut MlgError = ptr::null_mut();
+    let count = markers.len() / 3;
     let mut buffer = vec![0.0; count.max(points.len())];
     let (mut carried, mut given, mut problem) = (ptr::null_mut(), ptr::null_mut(), ptr::null_mut());
     // SAFETY: as in the target; buffers are as long as the functions ask.
