@@ -11,7 +11,9 @@
 use nalgebra::SMatrix;
 
 use super::plastic::PlasticState;
-use crate::material::{IsotropicDensity, Mat9, stiffness, stiffness_spd, stress};
+use crate::material::{
+    Density, IsotropicDensity, Mat9, cofactor, stiffness_spd, stress, stress_change,
+};
 use crate::math::{Mat3, Vec3};
 
 /// 12 x 12: three rows per corner.
@@ -78,7 +80,7 @@ impl RestElement {
         self.plastic_gradients(plastic).map(|h| p * h)
     }
 
-    /// K_ab[i,k] = V sum_jl h_a[j] D[ij,kl] h_b[l].
+    /// K_ab = d2E/dx_a dx_b, all sixteen blocks.
     pub fn stiffness(
         &self,
         x: &[Vec3; 4],
@@ -88,22 +90,12 @@ impl RestElement {
     ) -> Stiffness {
         let fe = self.deformation_gradient(x) * plastic.inverse;
         let density = material.at(&fe);
-        let d = match curvature {
-            Curvature::True => stiffness(&density, &fe),
-            Curvature::Projected => stiffness_spd(&density, &fe),
-        } * (self.volume * plastic.determinant);
+        let volume = self.volume * plastic.determinant;
         let h = self.plastic_gradients(plastic);
-        // b = dFe/dx: Fe[i,j] depends on x_a[i] through h_a[j].
-        let d_b: [SMatrix<f64, 9, 3>; 4] = h.map(|h| contract_right(&d, &h));
-        let mut k = Stiffness::zeros();
-        for a in 0..4 {
-            for b in 0..4 {
-                let block: Mat3 =
-                    (0..3).map(|j| d_b[b].fixed_view::<3, 3>(3 * j, 0) * h[a][j]).sum();
-                k.fixed_view_mut::<3, 3>(3 * a, 3 * b).copy_from(&block);
-            }
+        match curvature {
+            Curvature::True => true_stiffness(&density, &fe, &h, volume),
+            Curvature::Projected => contracted(&(stiffness_spd(&density, &fe) * volume), &h),
         }
-        k
     }
 
     /// d(dE/dx_a)/ds_p = V [ tr(A Y_p) P h_a + (D : dFe_p) h_a + P dh_a,p ],
@@ -116,12 +108,12 @@ impl RestElement {
     ) -> StrainSensitivity {
         let fe = self.deformation_gradient(x) * plastic.inverse;
         let density = material.at(&fe);
-        let (p, d) = (stress(&density, &fe), stiffness(&density, &fe));
+        let p = stress(&density, &fe);
         let h = self.plastic_gradients(plastic);
         let mut g = StrainSensitivity::zeros();
         for (q, y) in plastic.derivatives.iter().enumerate() {
             let y_a = y * plastic.inverse;
-            let dp = contract(&d, &(-fe * y_a)) + p * y_a.trace();
+            let dp = stress_change(&density, &fe, &(-fe * y_a)) + p * y_a.trace();
             let a_y = plastic.inverse * y;
             for a in 0..4 {
                 let column = (dp * h[a] - p * (a_y * h[a])) * (self.volume * plastic.determinant);
@@ -137,10 +129,44 @@ impl RestElement {
     }
 }
 
-/// D : M.
-fn contract(d: &Mat9, m: &Mat3) -> Mat3 {
-    let product = d * nalgebra::SVector::<f64, 9>::from_column_slice(m.as_slice());
-    Mat3::from_column_slice(product.as_slice())
+/// V d2 psi / dx_a dx_b without the 9 x 9 matrix: with f_a = Fe h_a and c_a = cof(Fe) h_a,
+///
+///   K_ab / V = 2 psi_I (h_a . h_b) 1 + 4 psi_II f_a f_b^T + psi_JJ c_a c_b^T
+///            + 2 psi_IJ (f_a c_b^T + c_a f_b^T) - psi_J [Fe (h_a x h_b)]x.
+fn true_stiffness(d: &Density, fe: &Mat3, h: &[Vec3; 4], volume: f64) -> Stiffness {
+    let cof = cofactor(fe);
+    let (f, c) = (h.map(|h| fe * h), h.map(|h| cof * h));
+    let mut k = Stiffness::zeros();
+    for a in 0..4 {
+        for b in 0..=a {
+            let twist = fe * h[a].cross(&h[b]) * d.d_j;
+            let mut block = f[a] * (f[b] * (4.0 * d.d_ii) + c[b] * (2.0 * d.d_ij)).transpose()
+                + c[a] * (c[b] * d.d_jj + f[b] * (2.0 * d.d_ij)).transpose()
+                - twist.cross_matrix();
+            let isotropic = 2.0 * d.d_i * h[a].dot(&h[b]);
+            for axis in 0..3 {
+                block[(axis, axis)] += isotropic;
+            }
+            block *= volume;
+            k.fixed_view_mut::<3, 3>(3 * a, 3 * b).copy_from(&block);
+            k.fixed_view_mut::<3, 3>(3 * b, 3 * a).copy_from(&block.transpose());
+        }
+    }
+    k
+}
+
+/// K_ab[i,k] = sum_jl h_a[j] D[ij,kl] h_b[l].
+fn contracted(d: &Mat9, h: &[Vec3; 4]) -> Stiffness {
+    // b = dFe/dx: Fe[i,j] depends on x_a[i] through h_a[j].
+    let d_b: [SMatrix<f64, 9, 3>; 4] = h.map(|h| contract_right(d, &h));
+    let mut k = Stiffness::zeros();
+    for a in 0..4 {
+        for b in 0..4 {
+            let block: Mat3 = (0..3).map(|j| d_b[b].fixed_view::<3, 3>(3 * j, 0) * h[a][j]).sum();
+            k.fixed_view_mut::<3, 3>(3 * a, 3 * b).copy_from(&block);
+        }
+    }
+    k
 }
 
 /// (D : (e_k (x) h)) for k = 0, 1, 2.
