@@ -36,7 +36,8 @@ pub struct Spring {
     pub stiffness: f64,
 }
 
-/// A tet mesh ready for statics; its pattern is analysed once.
+/// A tet mesh ready for statics; its pattern is analysed once. Its vertices are eliminated by
+/// number: fast when they are numbered by [`crate::solve::nested_dissection`].
 pub struct Body<M> {
     /// The mesh at rest.
     pub mesh: TetMesh,
@@ -57,7 +58,7 @@ impl<M: IsotropicDensity> Body<M> {
     /// Analyses the mesh. A body without springs is free and gets a gauge.
     pub fn new(mesh: TetMesh, material: M, springs: Vec<Spring>) -> Result<Self> {
         let rest = (0..mesh.tets.len()).map(|t| RestElement::new(mesh.corners(t))).collect();
-        let pattern = BlockPattern::of_tets(&mesh.points, &mesh.tets, 3);
+        let pattern = BlockPattern::of_tets(mesh.points.len(), &mesh.tets, 3);
         let symbolic = SymbolicFactor::new(&pattern)?;
         let gauge = springs.is_empty().then(|| isostatic_gauge(&mesh.points));
         let mut incident = vec![Vec::new(); mesh.points.len()];

@@ -10,6 +10,9 @@ use super::plastic::{Carrier, PlasticState, StrainSpace};
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
 
+/// Columns that are computed together.
+const LANES: usize = 8;
+
 /// G transposed: a row of 6 per carrier, 6 x 3 blocks, one per coupled vertex.
 pub struct Sensitivity {
     row_ptr: Vec<usize>,
@@ -58,22 +61,49 @@ impl Sensitivity {
         self.row_ptr.len() - 1
     }
 
-    /// G^T Y for a row-major Y of 3 rows per vertex and `width` columns; 6 rows per carrier.
-    pub fn transpose_multiply(&self, y: &[f64], width: usize) -> Vec<f64> {
-        let mut out = vec![0.0; 6 * self.carriers() * width];
-        for (carrier, rows) in out.chunks_exact_mut(6 * width).enumerate() {
-            for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
-                let y = &y[3 * self.vertex[k] as usize * width..][..3 * width];
-                let (y0, rest) = y.split_at(width);
-                let (y1, y2) = rest.split_at(width);
-                for (row, g) in rows.chunks_exact_mut(width).zip(self.blocks[k].chunks_exact(3)) {
-                    for c in 0..width {
-                        row[c] += g[0] * y0[c] + g[1] * y1[c] + g[2] * y2[c];
+    /// z = G^T Y for a row-major Y of 3 rows per vertex and `width` columns; 6 rows per carrier.
+    pub fn transpose_multiply(&self, y: &[f64], width: usize, z: &mut [f64]) {
+        // The instruction set of the machine, not of the build: four to eight columns at a time.
+        pulp::Arch::new().dispatch(|| {
+            for (carrier, rows) in z.chunks_exact_mut(6 * width).enumerate() {
+                for first in (0..width).step_by(LANES) {
+                    if first + LANES <= width {
+                        self.multiply_lanes::<LANES>(carrier, y, width, first, rows);
+                    } else {
+                        for column in first..width {
+                            self.multiply_lanes::<1>(carrier, y, width, column, rows);
+                        }
                     }
                 }
             }
+        });
+    }
+
+    /// Columns first .. first + N of one carrier's six rows.
+    #[inline(always)]
+    fn multiply_lanes<const N: usize>(
+        &self,
+        carrier: usize,
+        y: &[f64],
+        width: usize,
+        first: usize,
+        rows: &mut [f64],
+    ) {
+        let mut sums = [[0.0; N]; 6];
+        for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
+            let start = 3 * self.vertex[k] as usize * width + first;
+            let part: [&[f64; N]; 3] = std::array::from_fn(|axis| {
+                y[start + axis * width..].first_chunk().expect("Y has three rows per vertex")
+            });
+            for (sum, g) in sums.iter_mut().zip(self.blocks[k].chunks_exact(3)) {
+                for c in 0..N {
+                    sum[c] += g[0] * part[0][c] + g[1] * part[1][c] + g[2] * part[2][c];
+                }
+            }
         }
-        out
+        for (p, sum) in sums.iter().enumerate() {
+            rows[p * width + first..][..N].copy_from_slice(sum);
+        }
     }
 
     /// G ds: the change of the gradient for a change of the strain.

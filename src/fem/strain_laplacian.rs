@@ -103,19 +103,12 @@ impl StrainSmoothness {
     /// H with H^T H = Z R^+ Z^T, for a row-major Z^T with 6 rows per carrier and `width` columns,
     /// in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
     pub fn half_inverse(&self, z: &mut [f64], width: usize) {
-        let carriers = self.mass.len();
-        let mut column = vec![0.0; carriers * width];
-        for p in 0..6 {
-            for v in 0..carriers {
-                column[v * width..][..width].copy_from_slice(&z[(6 * v + p) * width..][..width]);
-            }
-            self.inverse_operator(&mut column, width);
-            for v in 0..carriers {
-                let scale = (self.mass[v] / (self.weight * MULTIPLICITY[p])).sqrt();
-                let target = &mut z[(6 * v + p) * width..][..width];
-                for (target, value) in target.iter_mut().zip(&column[v * width..][..width]) {
-                    *target = value * scale;
-                }
+        // The rows of a carrier's six components stand side by side: one solve for all.
+        self.inverse_operator(z, 6 * width);
+        for (rows, mass) in z.chunks_exact_mut(6 * width).zip(&self.mass) {
+            for (row, multiplicity) in rows.chunks_exact_mut(width).zip(MULTIPLICITY) {
+                let scale = (mass / (self.weight * multiplicity)).sqrt();
+                row.iter_mut().for_each(|value| *value *= scale);
             }
         }
     }
@@ -165,7 +158,7 @@ fn vertex_operator<M: IsotropicDensity>(
     body: &Body<M>,
     tet_weight: &[f64],
 ) -> (BlockPattern, BlockMatrix, Vec<f64>) {
-    let pattern = BlockPattern::of_tets(&body.mesh.points, &body.mesh.tets, 1);
+    let pattern = BlockPattern::of_tets(body.mesh.points.len(), &body.mesh.tets, 1);
     let operator = pattern.assemble(|t, a, b, _, _| {
         let element = &body.rest[t];
         tet_weight[t] * element.volume * element.gradients[a].dot(&element.gradients[b])

@@ -22,10 +22,7 @@ use crate::error::Result;
 use crate::fem::{Body, MaterialPoint, Sensitivity, StrainSmoothness, rigid_modes, solve_vectors};
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
-use crate::solve::{DenseCholesky, Factor, gram_lower};
-
-/// Columns of Z^T computed together.
-const BLOCK: usize = 64;
+use crate::solve::{ColumnBlocks, DenseCholesky, Factor};
 
 /// Relative size of the shift that makes a rank-deficient Schur complement solvable.
 const SCHUR_SHIFT: f64 = 1e-12;
@@ -157,25 +154,27 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
     pub(super) fn transpose_multiply(&self, rows: &Rows, a: &[f64]) -> Vec<Sym3> {
         let y = solve_vectors(self.stiffness, &rows.spread(a, self.x.len()));
         let flat: Vec<f64> = y.iter().flat_map(|v| [-v.x, -v.y, -v.z]).collect();
-        let z = self.sensitivity.transpose_multiply(&flat, 1);
+        let mut z = vec![0.0; 6 * self.sensitivity.carriers()];
+        self.sensitivity.transpose_multiply(&flat, 1, &mut z);
         z.chunks_exact(6).map(Sym3::from_column_slice).collect()
     }
 
-    /// H with H^T H = Z R^+ Z^T (row-major, one column per row of data), and the sums of Z^T over
-    /// all carriers: Z times each constant strain.
+    /// H with H^T H = Z R^+ Z^T in blocks of columns, one column per row of data, and the sums of
+    /// Z^T over all carriers: Z times each constant strain.
     pub(super) fn half_inverse(
         &self,
         rows: &Rows,
         smoothness: &StrainSmoothness,
-    ) -> (Vec<f64>, Vec<Vector6<f64>>) {
-        let columns = rows.rows.len();
-        let carriers = self.sensitivity.carriers();
-        let blocks: Vec<(Vec<f64>, Vec<Vector6<f64>>)> = (0..columns.div_ceil(BLOCK))
-            .into_par_iter()
-            .map(|k| {
-                let part = &rows.rows[k * BLOCK..columns.min((k + 1) * BLOCK)];
+    ) -> (ColumnBlocks, Vec<Vector6<f64>>) {
+        let mut half = ColumnBlocks::zeros(6 * self.sensitivity.carriers(), rows.rows.len());
+        let constants: Vec<Vec<Vector6<f64>>> = half
+            .blocks
+            .par_iter_mut()
+            .zip(rows.rows.par_chunks(ColumnBlocks::WIDTH))
+            .map_init(Vec::new, |y: &mut Vec<f64>, (z, part)| {
                 let width = part.len();
-                let mut y = vec![0.0; 3 * self.x.len() * width];
+                y.clear();
+                y.resize(3 * self.x.len() * width, 0.0);
                 for (c, row) in part.iter().enumerate() {
                     let scaled = row.direction * -row.weight.sqrt();
                     for &(v, w) in &rows.points[row.point].0 {
@@ -184,27 +183,19 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
                         }
                     }
                 }
-                self.stiffness.solve_rows(&mut y, width);
-                let mut z = self.sensitivity.transpose_multiply(&y, width);
-                let constants = (0..width)
-                    .map(|c| {
-                        Vector6::from_fn(|p, _| {
-                            (0..carriers).map(|v| z[(6 * v + p) * width + c]).sum()
-                        })
-                    })
-                    .collect();
-                smoothness.half_inverse(&mut z, width);
-                (z, constants)
+                self.stiffness.solve_rows(y, width);
+                self.sensitivity.transpose_multiply(y, width, z);
+                let mut sums = vec![Vector6::zeros(); width];
+                for carrier in z.chunks_exact(6 * width) {
+                    for (p, row) in carrier.chunks_exact(width).enumerate() {
+                        sums.iter_mut().zip(row).for_each(|(sum, z)| sum[p] += z);
+                    }
+                }
+                smoothness.half_inverse(z, width);
+                sums
             })
             .collect();
-        let mut half = vec![0.0; 6 * carriers * columns];
-        half.par_chunks_exact_mut(columns.max(1)).enumerate().for_each(|(r, row)| {
-            for (k, (z, _)) in blocks.iter().enumerate() {
-                let width = BLOCK.min(columns - k * BLOCK);
-                row[k * BLOCK..][..width].copy_from_slice(&z[r * width..][..width]);
-            }
-        });
-        (half, blocks.into_iter().flat_map(|(_, constants)| constants).collect())
+        (half, constants.into_iter().flatten().collect())
     }
 
     /// P: the directions that cost nothing, one column each.
@@ -231,10 +222,10 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
 }
 
 /// Solves (I + H^T H) a + P y = d, P^T a = 0.
-fn solve_saddle(half: &[f64], free: &[Vec<f64>], d: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
+fn solve_saddle(half: &ColumnBlocks, free: &[Vec<f64>], d: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
     let q = d.len();
     let mut capacity = Mat::<f64>::identity(q, q);
-    gram_lower(half, q, &mut capacity);
+    half.add_gram_lower(&mut capacity);
     let factor = DenseCholesky::new(capacity)?;
     let p = free.len();
     // Columns: C^-1 P, then C^-1 d.

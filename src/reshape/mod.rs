@@ -4,6 +4,7 @@ mod affine_start;
 mod coverage;
 mod evidence;
 mod gauss_newton;
+mod numbering;
 mod options;
 mod problem;
 mod scene;

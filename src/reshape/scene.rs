@@ -8,6 +8,7 @@ use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
 use super::coverage::Coverage;
+use super::numbering::Numbering;
 use super::options::Options;
 use super::problem::{Landmark, Problem, TemplatePoint};
 
@@ -48,6 +49,8 @@ pub struct Scene {
     pub length: f64,
     /// The solver's origin in the template's frame.
     pub center: Vec3,
+    /// The order of the vertices here and in the problem.
+    pub numbering: Numbering,
     /// The elastic body; its first springs belong to the attachments, in order.
     pub body: Body<InversionBarrier<StableNeoHookean>>,
     /// Each surface vertex in the tets.
@@ -83,10 +86,9 @@ impl Scene {
         let points = &problem.surface.points;
         let center = points.iter().sum::<Vec3>() / points.len() as f64;
         let inward = |p: &Vec3| (p - center) / length;
-        let tets = TetMesh {
-            points: problem.tets.points.iter().map(inward).collect(),
-            tets: problem.tets.tets.clone(),
-        };
+        let numbering = Numbering::new(&problem.tets);
+        let template_tets = numbering.renumbered(&problem.tets);
+        let surface_embedding = numbering.renumbered_embedding(&problem.embedding);
         let pairs = |list: &[Landmark]| -> Result<Vec<Pair>> {
             let positions: Vec<Vec3> = list
                 .iter()
@@ -95,10 +97,10 @@ impl Scene {
                     TemplatePoint::Position(p) => p,
                 })
                 .collect();
-            let embedding = Embedding::new(&problem.tets, &positions)?;
+            let embedding = Embedding::new(&template_tets, &positions)?;
             let pair = |(i, l): (usize, &Landmark)| {
                 let point = match l.template {
-                    TemplatePoint::Vertex(v) => embedded(&problem.embedding, v as usize),
+                    TemplatePoint::Vertex(v) => embedded(&surface_embedding, v as usize),
                     TemplatePoint::Position(_) => embedded(&embedding, i),
                 };
                 Pair { point, target: inward(&l.target), weight: l.weight }
@@ -110,7 +112,7 @@ impl Scene {
             .fixed
             .iter()
             .map(|&v| Pair {
-                point: embedded(&problem.embedding, v as usize),
+                point: embedded(&surface_embedding, v as usize),
                 target: inward(&points[v as usize]),
                 weight: 1.0,
             })
@@ -132,7 +134,7 @@ impl Scene {
             let surface: Vec<(Vec3, MaterialPoint)> = points
                 .iter()
                 .enumerate()
-                .map(|(v, p)| (inward(p), embedded(&problem.embedding, v)))
+                .map(|(v, p)| (inward(p), embedded(&surface_embedding, v)))
                 .collect();
             Coverage::of_slices(&markers.iter().map(|m| m.0).collect::<Vec<_>>(), &surface)
         } else {
@@ -142,7 +144,10 @@ impl Scene {
             length,
             center,
             body: Body::new(
-                tets,
+                TetMesh {
+                    points: template_tets.points.iter().map(inward).collect(),
+                    tets: template_tets.tets,
+                },
                 InversionBarrier::new(
                     StableNeoHookean::new(1.0, options.poisson),
                     BARRIER_START,
@@ -150,7 +155,8 @@ impl Scene {
                 ),
                 springs,
             )?,
-            embedding: problem.embedding.clone(),
+            numbering,
+            embedding: surface_embedding,
             triangles: problem.surface.triangles.clone(),
             markers,
             coverage,

@@ -322,7 +322,7 @@ impl<'a> Solver<'a> {
         let tet_points = self.scene.outward(&state.x);
         Reshaped {
             surface_points: self.scene.embedding.apply(&tet_points),
-            tet_points,
+            tet_points: self.scene.numbering.restore(&tet_points),
             plastic_strain: self.plastic_strain(&state.s),
             summary: self.summary,
         }

@@ -13,7 +13,7 @@ use super::gauss_newton::{Direction, Linearization, Rows};
 use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
 use crate::math::Sym3;
-use crate::solve::gram_lower;
+use crate::solve::ColumnBlocks;
 
 impl<M: IsotropicDensity> Linearization<'_, M> {
     /// The direction of a held body with a smoothness that leaves constants free; the same as
@@ -66,10 +66,10 @@ fn lemma(smoothness: &StrainSmoothness, b: &[Sym3]) -> Vec<Sym3> {
 }
 
 /// I + Zh B^-1 Zh^T from Z R^+ Z^T = H^T H and Z psi = constants / sqrt(carriers).
-fn capacity(half: &[f64], constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
+fn capacity(half: &ColumnBlocks, constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
     let q = constants.len();
     let mut gram = Mat::zeros(q, q);
-    gram_lower(half, q, &mut gram);
+    half.add_gram_lower(&mut gram);
     let z_psi = |i: usize, p: usize| constants[i][p] / (carriers as f64).sqrt();
     Mat::from_fn(q + 6, q + 6, |i, j| match (i < q, j < q) {
         (true, true) => {

@@ -16,8 +16,8 @@ pub struct BlockPattern {
     pub col_ptr: Vec<usize>,
     /// Scalar row of each entry, ascending in a column, first the diagonal.
     pub row_idx: Vec<usize>,
-    /// Elimination order of the scalar rows.
-    pub order: Vec<usize>,
+    /// Elimination order of the scalar rows, unless it is their own.
+    pub order: Option<Vec<usize>>,
     /// For each block column its blocks' contributions: first in `sources`.
     source_ptr: Vec<Vec<u32>>,
     /// For each vertex and each of its blocks (diagonal first): element * 16 + 4 a + b.
@@ -33,8 +33,8 @@ pub struct BlockMatrix {
 
 impl BlockPattern {
     /// The pattern of matrices that couple the four vertices of each tet, in blocks of `block`.
-    pub fn of_tets(points: &[Vec3], tets: &[[u32; 4]], block: usize) -> Self {
-        let n = points.len();
+    /// Vertices are eliminated by number: number the mesh by [`super::nested_dissection`] first.
+    pub fn of_tets(n: usize, tets: &[[u32; 4]], block: usize) -> Self {
         let mut pairs: Vec<(u32, u32, u64)> = Vec::with_capacity(10 * tets.len());
         for (t, tet) in tets.iter().enumerate() {
             for a in 0..4 {
@@ -64,7 +64,7 @@ impl BlockPattern {
             let end = sources[v as usize].len() as u32;
             source_ptr[v as usize].push(end);
         }
-        Self::build(points, higher, source_ptr, sources, block)
+        Self::build(higher, source_ptr, sources, block, None)
     }
 
     /// The pattern of matrices that couple the linked nodes at `points`, in blocks of `block`;
@@ -78,17 +78,18 @@ impl BlockPattern {
             row.sort_unstable();
             row.dedup();
         }
-        Self::build(points, higher, Vec::new(), Vec::new(), block)
+        let graph = symmetric_graph(&higher);
+        let order = expand(&nested_dissection(points, |v| &graph[v]), block);
+        Self::build(higher, Vec::new(), Vec::new(), block, Some(order))
     }
 
     fn build(
-        points: &[Vec3],
         higher: Vec<Vec<u32>>,
         source_ptr: Vec<Vec<u32>>,
         sources: Vec<Vec<u64>>,
         block: usize,
+        order: Option<Vec<usize>>,
     ) -> Self {
-        let order = expand(&nested_dissection(points, &symmetric_graph(&higher)), block);
         let (col_ptr, row_idx) = scalar_pattern(&higher, block);
         Self { block, higher, col_ptr, row_idx, order, source_ptr, sources }
     }

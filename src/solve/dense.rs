@@ -13,39 +13,55 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 
-/// Columns of the Gram matrix computed together.
-const BLOCK: usize = 128;
-
-/// Rows of the factor multiplied in one call; keeps both panels in the cache.
+/// Rows multiplied in one call; keeps both panels in the cache.
 const PANEL: usize = 512;
 
-/// gram += Y^T Y in its lower triangle, for a row-major Y of `columns` columns. Parallel over
-/// blocks of the result, each summed in row order.
-pub fn gram_lower(y: &[f64], columns: usize, gram: &mut Mat<f64>) {
-    let rows = y.len() / columns.max(1);
-    let y = MatRef::from_row_major_slice(y, rows, columns);
-    let blocks = columns.div_ceil(BLOCK);
-    let pairs: Vec<(usize, usize)> =
-        (0..blocks).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
-    let products: Vec<Mat<f64>> = pairs
-        .par_iter()
-        .map(|&(i, j)| {
-            let (ri, rj) = (i * BLOCK, j * BLOCK);
-            let (ni, nj) = (BLOCK.min(columns - ri), BLOCK.min(columns - rj));
-            let mut block = Mat::zeros(ni, nj);
-            for start in (0..rows).step_by(PANEL) {
-                let height = PANEL.min(rows - start);
-                let left = y.submatrix(start, ri, height, ni).transpose();
-                let right = y.submatrix(start, rj, height, nj);
-                matmul(block.as_mut(), Accum::Add, left, right, 1.0, Par::Seq);
-            }
-            block
-        })
-        .collect();
-    for (&(i, j), block) in pairs.iter().zip(&products) {
-        let mut part =
-            gram.as_mut().submatrix_mut(i * BLOCK, j * BLOCK, block.nrows(), block.ncols());
-        part += block;
+/// A dense matrix in blocks of columns, so that each block can be computed on its own thread.
+pub struct ColumnBlocks {
+    /// Row-major blocks of [`Self::WIDTH`] columns; the last may be narrower.
+    pub blocks: Vec<Vec<f64>>,
+    rows: usize,
+    columns: usize,
+}
+
+impl ColumnBlocks {
+    /// Columns of a block.
+    pub const WIDTH: usize = 64;
+
+    /// A matrix of zeros.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        let width = |first: usize| Self::WIDTH.min(columns - first);
+        let block = |first| vec![0.0; rows * width(first)];
+        Self { blocks: (0..columns).step_by(Self::WIDTH).map(block).collect(), rows, columns }
+    }
+
+    /// gram += A^T A in its lower triangle. Parallel over blocks of the result, each summed in row
+    /// order.
+    pub fn add_gram_lower(&self, gram: &mut Mat<f64>) {
+        let pairs: Vec<(usize, usize)> =
+            (0..self.blocks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
+        let products: Vec<Mat<f64>> =
+            pairs.par_iter().map(|&(i, j)| self.block_product(i, j)).collect();
+        for (&(i, j), block) in pairs.iter().zip(&products) {
+            let (i, j) = (i * Self::WIDTH, j * Self::WIDTH);
+            let mut part = gram.as_mut().submatrix_mut(i, j, block.nrows(), block.ncols());
+            part += block;
+        }
+    }
+
+    /// A_i^T A_j for two blocks.
+    fn block_product(&self, i: usize, j: usize) -> Mat<f64> {
+        let width = |k: usize| Self::WIDTH.min(self.columns - k * Self::WIDTH);
+        let view = |k: usize| MatRef::from_row_major_slice(&self.blocks[k], self.rows, width(k));
+        let (left, right) = (view(i), view(j));
+        let mut product = Mat::zeros(width(i), width(j));
+        for start in (0..self.rows).step_by(PANEL) {
+            let height = PANEL.min(self.rows - start);
+            let left = left.subrows(start, height).transpose();
+            let right = right.subrows(start, height);
+            matmul(product.as_mut(), Accum::Add, left, right, 1.0, Par::Seq);
+        }
+        product
     }
 }
 

@@ -4,7 +4,7 @@
 //! that a sparse right-hand side does not reach are passed over (about three times as fast as
 //! column by column, docs/benchmarks.md).
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::matmul::matmul;
@@ -29,13 +29,15 @@ pub struct SymbolicFactor {
     symbolic: SymbolicCholesky<usize>,
     col_ptr: Vec<usize>,
     row_idx: Vec<usize>,
-    /// `new_from_old[i]`: place of row i in the elimination order.
-    new_from_old: Vec<usize>,
+    /// `new_from_old[i]`: place of row i in the elimination order, unless it is i.
+    new_from_old: Option<Vec<usize>>,
     max_pattern: usize,
+    /// Memory of factors that are no longer used, for the next one.
+    spare: Mutex<Vec<Vec<f64>>>,
 }
 
 /// A numeric factor L L^T = A.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Factor {
     symbolic: Arc<SymbolicFactor>,
     values: Vec<f64>,
@@ -45,10 +47,9 @@ impl SymbolicFactor {
     /// Analyses a pattern with its own elimination order.
     pub fn new(pattern: &BlockPattern) -> Result<Arc<Self>> {
         let n = pattern.size();
-        let mut new_from_old = vec![0; n];
-        for (new, &old) in pattern.order.iter().enumerate() {
-            new_from_old[old] = new;
-        }
+        // faer takes the lower triangle with a permutation only.
+        let own_order: Vec<usize> = (0..n).collect();
+        let new_from_old = pattern.order.as_ref().map(|order| inverse(order));
         let failed = |_| Error::Singular("the system is too large to be analysed in memory".into());
         let matrix =
             SymbolicSparseColMatRef::new_checked(n, n, &pattern.col_ptr, None, &pattern.row_idx);
@@ -56,7 +57,11 @@ impl SymbolicFactor {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let order = PermRef::new_checked(&pattern.order, &new_from_old, n);
+        let order = PermRef::new_checked(
+            pattern.order.as_ref().unwrap_or(&own_order),
+            new_from_old.as_ref().unwrap_or(&own_order),
+            n,
+        );
         let symbolic = factorize_symbolic_cholesky(
             matrix,
             Side::Lower,
@@ -71,7 +76,14 @@ impl SymbolicFactor {
             SymbolicCholeskyRaw::Simplicial(_) => unreachable!("the threshold forces supernodes"),
         };
         let (col_ptr, row_idx) = (pattern.col_ptr.clone(), pattern.row_idx.clone());
-        Ok(Arc::new(Self { symbolic, col_ptr, row_idx, new_from_old, max_pattern }))
+        Ok(Arc::new(Self {
+            symbolic,
+            col_ptr,
+            row_idx,
+            new_from_old,
+            max_pattern,
+            spare: Mutex::default(),
+        }))
     }
 
     /// Number of entries of L.
@@ -81,15 +93,16 @@ impl SymbolicFactor {
 
     /// Factors `matrix`; fails when it is not positive definite.
     pub fn factor(self: &Arc<Self>, matrix: &BlockMatrix) -> Result<Factor> {
-        let n = self.new_from_old.len();
+        let n = self.col_ptr.len() - 1;
         let pattern =
             SymbolicSparseColMatRef::new_checked(n, n, &self.col_ptr, None, &self.row_idx);
         let a = SparseColMatRef::new(pattern, &matrix.values[..]);
-        let mut values = vec![0.0; self.symbolic.len_val()];
+        let mut values = self.memory().pop().unwrap_or_else(|| vec![0.0; self.symbolic.len_val()]);
         let mut memory = MemBuffer::new(
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default()),
         );
-        self.symbolic
+        let outcome = self
+            .symbolic
             .factorize_numeric_llt(
                 &mut values,
                 a,
@@ -99,8 +112,23 @@ impl SymbolicFactor {
                 MemStack::new(&mut memory),
                 faer::Spec::default(),
             )
-            .map_err(|_| Error::Singular("the stiffness matrix is not positive definite".into()))?;
-        Ok(Factor { symbolic: Arc::clone(self), values })
+            .map(|_| ());
+        // A failed factor gives its memory back as well.
+        let factor = Factor { symbolic: Arc::clone(self), values };
+        match outcome {
+            Ok(()) => Ok(factor),
+            Err(_) => Err(Error::Singular("the stiffness matrix is not positive definite".into())),
+        }
+    }
+
+    fn memory(&self) -> std::sync::MutexGuard<'_, Vec<Vec<f64>>> {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Factor {
+    fn drop(&mut self) {
+        self.symbolic.memory().push(std::mem::take(&mut self.values));
     }
 }
 
@@ -113,12 +141,16 @@ impl Factor {
     /// Solves A X = B for a row-major block of at most a few hundred columns, in place, on this
     /// thread.
     pub fn solve_rows(&self, b: &mut [f64], width: usize) {
-        let place = &self.symbolic.new_from_old;
+        let mut gathered = vec![0.0; self.symbolic.max_pattern * width];
+        let Some(place) = &self.symbolic.new_from_old else {
+            self.forward(b, width, &mut gathered);
+            self.backward(b, width, &mut gathered);
+            return;
+        };
         let mut x = vec![0.0; b.len()];
         for (row, &new) in b.chunks_exact(width).zip(place) {
             x[new * width..][..width].copy_from_slice(row);
         }
-        let mut gathered = vec![0.0; self.symbolic.max_pattern * width];
         self.forward(&mut x, width, &mut gathered);
         self.backward(&mut x, width, &mut gathered);
         for (row, &new) in b.chunks_exact_mut(width).zip(place) {
@@ -194,4 +226,13 @@ fn multiply_forward(
 ) {
     solve_lower_triangular_in_place(l_top, top.as_mut(), Par::Seq);
     matmul(product, Accum::Replace, l_rest, top.as_ref(), 1.0, Par::Seq);
+}
+
+/// The inverse permutation.
+fn inverse(order: &[usize]) -> Vec<usize> {
+    let mut inverse = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        inverse[old] = new;
+    }
+    inverse
 }

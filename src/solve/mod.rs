@@ -6,6 +6,6 @@ mod factor;
 mod ordering;
 
 pub use block_matrix::{BlockMatrix, BlockPattern};
-pub use dense::{DenseCholesky, gram_lower};
+pub use dense::{ColumnBlocks, DenseCholesky};
 pub use factor::{Factor, SymbolicFactor};
 pub use ordering::nested_dissection;
