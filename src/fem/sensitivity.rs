@@ -80,6 +80,8 @@ impl Sensitivity {
     }
 
     /// Columns first .. first + N of one carrier's six rows.
+    // Only inlined code is compiled for the machine's instruction set.
+    #[allow(clippy::inline_always)]
     #[inline(always)]
     fn multiply_lanes<const N: usize>(
         &self,

@@ -108,7 +108,9 @@ impl StrainSmoothness {
         for (rows, mass) in z.chunks_exact_mut(6 * width).zip(&self.mass) {
             for (row, multiplicity) in rows.chunks_exact_mut(width).zip(MULTIPLICITY) {
                 let scale = (mass / (self.weight * multiplicity)).sqrt();
-                row.iter_mut().for_each(|value| *value *= scale);
+                for value in row {
+                    *value *= scale;
+                }
             }
         }
     }

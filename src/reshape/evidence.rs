@@ -91,17 +91,26 @@ impl Weights {
             .zip(&distances)
             .map(|((_, weight), d)| c * weight * (limit / d).min(1.0))
             .collect();
-        let attachments = if hard_attachments {
-            scene.attachments.iter().map(|p| p.weight / scene.attachment_sigma.powi(2)).collect()
-        } else {
-            group_weights(&scene.attachments, x, scene.attachment_sigma)
+        // Without markers nothing speaks against a pair, however far it has to go.
+        let doubted = !scene.markers.is_empty();
+        let group = |pairs: &[Pair], sigma: f64, doubted: bool| {
+            if doubted { group_weights(pairs, x, sigma) } else { plain_weights(pairs, sigma) }
         };
         Self {
             markers,
-            landmarks: group_weights(&scene.landmarks, x, scene.landmark_sigma),
-            attachments,
+            landmarks: group(&scene.landmarks, scene.landmark_sigma, doubted),
+            attachments: group(
+                &scene.attachments,
+                scene.attachment_sigma,
+                doubted && !hard_attachments,
+            ),
         }
     }
+}
+
+/// Pairs that are taken at their word.
+fn plain_weights(pairs: &[Pair], tolerance: f64) -> Vec<f64> {
+    pairs.iter().map(|pair| pair.weight / tolerance.powi(2)).collect()
 }
 
 /// Pairs are weighed by what their group turns out to be worth: its noise is estimated from the

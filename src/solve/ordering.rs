@@ -87,7 +87,7 @@ impl<'a, F: Fn(usize) -> &'a [u32] + Sync> Graph<'_, F> {
             let center = part.iter().map(at).sum::<Vec3>() / part.len() as f64;
             let spread: Mat3 =
                 part.iter().map(|v| (at(v) - center) * (at(v) - center).transpose()).sum();
-            directions.extend(eigen(&spread).1.column_iter().map(|c| c.into_owned()));
+            directions.extend(eigen(&spread).1.column_iter().map(nalgebra::Matrix::into_owned));
             let signs = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
             directions.extend(signs.map(|(y, z)| Vec3::new(1.0, y, z)));
         }
