@@ -23,11 +23,15 @@ def part(name):
 def empty_scene():
     """An empty scene without the add-on's leftovers."""
     for ob in list(bpy.data.objects):
+        if ob.type == "MESH" and ob.data.shape_keys:
+            ob.shape_key_clear()
         bpy.data.objects.remove(ob)
     for collection in list(bpy.data.collections):
         bpy.data.collections.remove(collection)
     for mesh in list(bpy.data.meshes):
         bpy.data.meshes.remove(mesh)
+    # Shape keys that outlive their mesh would stop the next save (Blender 4.2).
+    bpy.data.orphans_purge(do_recursive=True)
     bpy.context.scene.unit_settings.scale_length = 1.0
 
 
