@@ -1491,16 +1491,6 @@ MlgStatus mlg_tri_mesh_section(const MlgTriMesh *mesh,
                                MlgError *error);
 
 /**
- * The outlines of one label of a label map on a plane, smooth over the voxels' stairs. Free with
- * `mlg_polylines_free`.
- */
-MlgStatus mlg_volume_outlines(const MlgVolume *labels,
-                              uint32_t label,
-                              const MlgSlicePlane *plane,
-                              MlgPolylines **out_lines,
-                              MlgError *error);
-
-/**
  * The points of all lines, one line after the other: `3 * *out_count` coordinates, borrowed until
  * the lines are freed. NULL without points or for a handle that is not valid. `out_count`: may be
  * NULL.
@@ -1525,6 +1515,27 @@ const uint8_t *mlg_polylines_closed(const MlgPolylines *lines, size_t *out_count
 void mlg_polylines_free(MlgPolylines *lines);
 
 /**
+ * The labels of a label map, ascending, without 0: writes the first `capacity` of them to
+ * `out_labels` and their number to `out_count`. An image whose values are no whole numbers, or more
+ * than 4096 different ones, is refused. `out_labels` may be NULL if `capacity` is 0.
+ */
+MlgStatus mlg_volume_labels(const MlgVolume *labels,
+                            uint32_t *out_labels,
+                            size_t capacity,
+                            size_t *out_count,
+                            MlgError *error);
+
+/**
+ * The outlines of one label of a label map on a plane, smooth over the voxels' stairs. Free with
+ * `mlg_polylines_free`.
+ */
+MlgStatus mlg_volume_outlines(const MlgVolume *labels,
+                              uint32_t label,
+                              const MlgSlicePlane *plane,
+                              MlgPolylines **out_lines,
+                              MlgError *error);
+
+/**
  * Writes the defaults. `struct_size`: `sizeof *out_clicks`.
  */
 MlgStatus mlg_clicks_init(MlgClicks *out_clicks, size_t struct_size);
@@ -1542,6 +1553,15 @@ MlgStatus mlg_volume_label_markers(const MlgVolume *labels,
                                    size_t axis_count,
                                    const MlgClicks *clicks,
                                    MlgMarkers **out_markers,
+                                   MlgError *error);
+
+/**
+ * The surface of one label, outwards, smooth over the voxels' stairs; open where the image ends inside
+ * the label. Free with `mlg_tri_mesh_free`.
+ */
+MlgStatus mlg_volume_label_surface(const MlgVolume *labels,
+                                   uint32_t label,
+                                   MlgTriMesh **out_mesh,
                                    MlgError *error);
 
 /**
@@ -1691,6 +1711,16 @@ MlgStatus mlg_registration_set_bone_target(MlgRegistration *problem,
                                            size_t bone,
                                            const MlgTriMesh *surface,
                                            MlgError *error);
+
+/**
+ * Sets an image of the person in place of surfaces. `reference`: an image of the same protocol in which
+ * the template lies on the bones. In `person` it must lie near them: the search begins with a tenth of
+ * its diagonal, and nothing else is tried, whatever `align` says. Millimetres, RAS.
+ */
+MlgStatus mlg_registration_set_image(MlgRegistration *problem,
+                                     const MlgVolume *person,
+                                     const MlgVolume *reference,
+                                     MlgError *error);
 
 /**
  * Starts a registration on a thread of its own and returns at once. The problem is copied: it may be

@@ -25,6 +25,7 @@ fn the_header_is_up_to_date() {
         "reshaping_run",
         "result",
         "volume",
+        "volume_labels",
         "skeleton",
         "skeleton_files",
         "registration",

@@ -26,6 +26,7 @@ mod skeleton_files;
 mod tetrahedralization;
 mod version;
 mod volume;
+mod volume_labels;
 
 pub use boundary::*;
 pub use distances::*;
@@ -44,3 +45,4 @@ pub use skeleton_files::*;
 pub use tetrahedralization::*;
 pub use version::*;
 pub use volume::*;
+pub use volume_labels::*;

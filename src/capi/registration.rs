@@ -10,8 +10,10 @@ use super::mesh::{MlgTriMesh, Surface};
 use super::registration_result::{MlgRegistrationResult, RegistrationResult};
 use super::run::{MlgRun, RunObject, in_pool, wait_for};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
+use super::volume::MlgVolume;
+use crate::io::VolumeFile;
 use crate::register::options::Levels;
-use crate::register::{Options, Registration, Target};
+use crate::register::{Appearance, Options, Registration, Target};
 use crate::run::Run;
 
 /// A template skeleton and the surface it is to follow. May be used by one thread at a time.
@@ -22,6 +24,7 @@ enum Seen {
     Nothing,
     Whole(Arc<Surface>),
     PerBone(Vec<Option<Arc<Surface>>>),
+    Image { person: Arc<VolumeFile>, reference: Arc<VolumeFile> },
 }
 
 struct ProblemObject {
@@ -154,7 +157,7 @@ pub unsafe extern "C" fn mlg_registration_set_bone_target(
         let count = problem.template.skeleton.bones.len();
         let mut of_bone = match problem.seen() {
             Seen::PerBone(surfaces) => surfaces,
-            Seen::Nothing | Seen::Whole(_) => vec![None; count],
+            Seen::Nothing | Seen::Whole(_) | Seen::Image { .. } => vec![None; count],
         };
         let slot = of_bone.get_mut(bone).ok_or_else(|| {
             Failure::invalid(format!(
@@ -163,6 +166,25 @@ pub unsafe extern "C" fn mlg_registration_set_bone_target(
         })?;
         *slot = Some(surface);
         problem.set(Seen::PerBone(of_bone));
+        Ok(())
+    })
+}
+
+/// Sets an image of the person in place of surfaces. `reference`: an image of the same protocol in which
+/// the template lies on the bones. In `person` it must lie near them: the search begins with a tenth of
+/// its diagonal, and nothing else is tried, whatever `align` says. Millimetres, RAS.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_set_image(
+    problem: *mut MlgRegistration,
+    person: *const MlgVolume,
+    reference: *const MlgVolume,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        let person = handles::get::<VolumeFile, _>(person, "person")?;
+        let reference = handles::get::<VolumeFile, _>(reference, "reference")?;
+        problem.set(Seen::Image { person, reference });
         Ok(())
     })
 }
@@ -196,6 +218,11 @@ impl ProblemObject {
                     .zip(surfaces)
                     .filter_map(|(b, s)| Some((b.name.clone(), s?.mesh.clone())));
                 Target::per_bone(&self.template.skeleton, named.collect())?
+            }
+            Seen::Image { person, reference } => {
+                let template = &self.template.skeleton;
+                let looks = Appearance::profiles(template, &reference.volume, None)?;
+                Target::image(template, person.volume.clone(), looks)?
             }
         })
     }

@@ -1,4 +1,4 @@
-//! Medical images: slices, lines on slices, markers from labels.
+//! Medical images: slices, and lines on slices.
 
 use libc::c_char;
 use std::ptr;
@@ -6,13 +6,12 @@ use std::ptr;
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
 use super::buffers::{self, Versioned};
 use super::handles;
-use super::markers::{Markers, MlgMarkers};
 use super::mesh::{MlgTriMesh, Surface};
-use crate::io::{Marker, VolumeFile, read_volume};
+use crate::io::{VolumeFile, read_volume};
 use crate::math::Vec3;
 use crate::math::polyline::Polyline;
 use crate::mesh::{TriMesh, plane_section};
-use crate::volume::{Clicks, SlicePlane, View, Window, label_markers, outlines};
+use crate::volume::{SlicePlane, View, Window};
 
 /// A medical image, or a label map. Immutable; may be read from many threads. World coordinates are
 /// millimetres in RAS: x to the person's right, y to the front, z to the head.
@@ -62,38 +61,20 @@ pub struct MlgSlicePlane {
     pub height: usize,
 }
 
-/// How markers are put on the outlines of a label. Set with `mlg_clicks_init`.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct MlgClicks {
-    /// `sizeof` this struct in the caller's header.
-    pub struct_size: usize,
-    /// Millimetres between slices.
-    pub every: f64,
-    /// Millimetres between markers along an outline.
-    pub spacing: f64,
-    /// Standard deviation of a hand's error, mm; 0 for none.
-    pub jitter: f64,
-    /// Another number gives other errors.
-    pub seed: u64,
-}
-
 // SAFETY: repr(C), plain numbers, size first.
 unsafe impl Versioned for MlgVolumeInfo {}
 // SAFETY: as above.
 unsafe impl Versioned for MlgSlicePlane {}
-// SAFETY: as above.
-unsafe impl Versioned for MlgClicks {}
 
 /// Polylines in flat arrays.
-struct Lines {
+pub(super) struct Lines {
     points: Vec<Vec3>,
     starts: Vec<usize>,
     closed: Vec<u8>,
 }
 
 impl Lines {
-    fn new(lines: &[Polyline]) -> Self {
+    pub fn new(lines: &[Polyline]) -> Self {
         let mut starts = vec![0];
         for line in lines {
             starts.push(starts[starts.len() - 1] + line.points.len());
@@ -306,27 +287,6 @@ pub unsafe extern "C" fn mlg_tri_mesh_section(
     })
 }
 
-/// The outlines of one label of a label map on a plane, smooth over the voxels' stairs. Free with
-/// `mlg_polylines_free`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_volume_outlines(
-    labels: *const MlgVolume,
-    label: u32,
-    plane: *const MlgSlicePlane,
-    out_lines: *mut *mut MlgPolylines,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_lines, "out_lines")?;
-        let file = handles::get::<VolumeFile, _>(labels, "labels")?;
-        // SAFETY: the caller's promise (see the module).
-        let plane = unsafe { plane_of(plane)? };
-        let lines = Lines::new(&outlines(&file.volume, label, &plane));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_lines, handles::give(lines), "out_lines") }
-    })
-}
-
 /// The points of all lines, one line after the other: `3 * *out_count` coordinates, borrowed until
 /// the lines are freed. NULL without points or for a handle that is not valid. `out_count`: may be
 /// NULL.
@@ -379,56 +339,6 @@ pub unsafe extern "C" fn mlg_polylines_free(lines: *mut MlgPolylines) {
     });
 }
 
-/// Writes the defaults. `struct_size`: `sizeof *out_clicks`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_clicks_init(
-    out_clicks: *mut MlgClicks,
-    struct_size: usize,
-) -> MlgStatus {
-    guard(ptr::null_mut(), || {
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write_versioned(out_clicks, struct_size, defaults(), "out_clicks") }
-    })
-}
-
-/// Markers on the outlines of one label, as a person would click them on slices. Free with
-/// `mlg_markers_free`.
-///
-/// `axes`: `3 * axis_count` numbers, one view each as in `mlg_volume_plane`. `clicks`: NULL for the
-/// defaults.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_volume_label_markers(
-    labels: *const MlgVolume,
-    label: u32,
-    axes: *const f64,
-    axis_count: usize,
-    clicks: *const MlgClicks,
-    out_markers: *mut *mut MlgMarkers,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_markers, "out_markers")?;
-        let file = handles::get::<VolumeFile, _>(labels, "labels")?;
-        // SAFETY: the caller's promise (see the module).
-        let axes = unsafe { buffers::points(axes, axis_count, "axes")? };
-        let views: Outcome<Vec<View>> = axes.iter().map(view_along).collect();
-        // SAFETY: as above.
-        let given = unsafe { buffers::options(clicks, defaults())? };
-        let MlgClicks { every, spacing, jitter, seed, .. } = given;
-        let clicks = Clicks { every, spacing, jitter, seed };
-        let points = label_markers(&file.volume, label, &views?, &clicks)?;
-        let markers = points.into_iter().map(Marker::at).collect();
-        let handle = handles::give(Markers::new(markers));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_markers, handle, "out_markers") }
-    })
-}
-
-fn defaults() -> MlgClicks {
-    let Clicks { every, spacing, jitter, seed } = Clicks::default();
-    MlgClicks { struct_size: size_of::<MlgClicks>(), every, spacing, jitter, seed }
-}
-
 unsafe fn vector(pointer: *const f64, name: &str) -> Outcome<Vec3> {
     // SAFETY: passed on from the caller.
     Ok(unsafe { buffers::points(pointer, 1, name)? }[0])
@@ -439,7 +349,7 @@ unsafe fn view(axis: *const f64) -> Outcome<View> {
     view_along(&unsafe { vector(axis, "axis")? })
 }
 
-fn view_along(axis: &Vec3) -> Outcome<View> {
+pub(super) fn view_along(axis: &Vec3) -> Outcome<View> {
     let Some(unit) = axis.try_normalize(f64::MIN_POSITIVE) else {
         return Err(Failure::invalid("axis must not be 0,0,0"));
     };
@@ -448,7 +358,7 @@ fn view_along(axis: &Vec3) -> Outcome<View> {
     Ok(found.map_or(View::Along(unit), |(_, view)| view))
 }
 
-unsafe fn plane_of(given: *const MlgSlicePlane) -> Outcome<SlicePlane> {
+pub(super) unsafe fn plane_of(given: *const MlgSlicePlane) -> Outcome<SlicePlane> {
     const MOST_PIXELS: usize = 1 << 28;
     buffers::check_out(given, "plane")?;
     let (zero, struct_size) = ([0.0; 3], size_of::<MlgSlicePlane>());

@@ -122,21 +122,62 @@ static void lines_and_markers(const MlgVolume *volume) {
     mlg_tri_mesh_free(mesh);
 }
 
+static void labels(const MlgVolume *volume) {
+    MlgTriMesh *surface = NULL;
+    MlgSkeleton *skeleton = NULL;
+    MlgRegistration *problem = NULL;
+    MlgRegistrationResult *result = NULL;
+    MlgBone bone;
+    uint32_t found[2] = {0, 9};
+    const double *points;
+    size_t i, count = 0, k;
+
+    CHECK(mlg_volume_labels(volume, NULL, 0, &count, NULL) == MLG_STATUS_OK && count == 1);
+    CHECK(mlg_volume_labels(volume, found, 2, &count, NULL) == MLG_STATUS_OK && found[0] == 3 && found[1] == 9);
+    expect(mlg_volume_labels(volume, NULL, 2, &count, &error), MLG_STATUS_NULL_ARGUMENT, "out_labels");
+    CHECK(mlg_volume_label_surface(volume, 3, &surface, NULL) == MLG_STATUS_OK);
+    points = mlg_tri_mesh_points(surface, &count);
+    CHECK(count > 600);
+    for (i = 0; i < count; i++) CHECK(off_ball(points + 3 * i) < 1.2);
+    CHECK(mlg_tri_mesh_check(surface, NULL, 0, &k, NULL) == MLG_STATUS_OK && k == 0);
+
+    /* The same image as reference and person: the bone stays where it is. */
+    bone.struct_size = sizeof bone, bone.name = "ball", bone.surface = surface;
+    CHECK(mlg_skeleton_new(&bone, 1, NULL, 0, &skeleton, &error) == MLG_STATUS_OK);
+    CHECK(mlg_registration_new(skeleton, &problem, &error) == MLG_STATUS_OK);
+    expect(mlg_registration_set_image(problem, volume, NULL, &error), MLG_STATUS_NULL_ARGUMENT, "reference");
+    CHECK(mlg_registration_set_image(problem, volume, volume, &error) == MLG_STATUS_OK);
+    CHECK(mlg_registration_run(problem, NULL, &result, &error) == MLG_STATUS_OK);
+    mlg_skeleton_free(skeleton);
+    CHECK(mlg_registration_result_skeleton(result, &skeleton, &error) == MLG_STATUS_OK);
+    points = mlg_skeleton_points(skeleton, &count);
+    for (i = 0; i < count; i++) CHECK(off_ball(points + 3 * i) < 2);
+    mlg_registration_result_free(result);
+    mlg_registration_free(problem);
+    mlg_skeleton_free(skeleton);
+    mlg_tri_mesh_free(surface);
+    expect(mlg_volume_label_surface(volume, 4, &surface, &error), MLG_STATUS_INVALID_ARGUMENT, "no voxel");
+}
+
 int main(int argument_count, char **arguments) {
     MlgVolume *volume = NULL;
-    const char *path = argument_count > 1 ? arguments[1] : "ball.mha";
+    char path[300];
     size_t length = 7;
 
+    CHECK(argument_count > 1);
+    sprintf(path, "%s/ball.mha", arguments[1]);
     write_ball(path);
     CHECK(mlg_volume_load(path, &volume, &error) == MLG_STATUS_OK);
     CHECK(mlg_volume_notes(volume, NULL, 0, &length, NULL) == MLG_STATUS_OK && length == 0);
     slices(volume);
     lines_and_markers(volume);
+    labels(volume);
     mlg_volume_free(volume);
     mlg_volume_free(volume);
     expect(mlg_volume_notes(volume, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT, "freed");
     expect(mlg_volume_load("a.png", &volume, &error), MLG_STATUS_UNSUPPORTED, "is no volume");
     expect(mlg_volume_load("no.nii", &volume, &error), MLG_STATUS_IO, "no.nii");
     CHECK(remove(path) == 0);
+    puts("images: good");
     return 0;
 }
