@@ -7,16 +7,19 @@
     result.points
 """
 
-from .native import CANCELLED, Error, LibraryError, library
+from .interface import CANCELLED
+from .native import Error, LibraryError, library
+from .registration import Registration, RegistrationResult
 from .reshaping import Reshaping, ReshapingResult, default_options
 from .shapes import Markers, Pairs, TetMesh, TriMesh
+from .skeletons import Joint, Skeleton
 from .tets import Progress, Run, Tetrahedralization
 from .volumes import Plane, Volume, section
 
 __all__ = [
-    "CANCELLED", "Error", "LibraryError", "Markers", "Pairs", "Plane", "Progress", "Reshaping", "ReshapingResult", "Run",
-    "TetMesh", "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "section",
-    "version",
+    "CANCELLED", "Error", "Joint", "LibraryError", "Markers", "Pairs", "Plane", "Progress", "Registration",
+    "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Skeleton", "TetMesh", "Tetrahedralization", "TriMesh",
+    "Volume", "check_library", "default_options", "section", "version",
 ]
 
 

@@ -1,19 +1,17 @@
 """Reshaping: the problem, a run of it, the result."""
 
-import time
-
 import numpy
 
-from . import native
+from . import interface, native
 from .native import address, array
 from .shapes import Handle, checked_weights
-from .tets import Run, quality
+from .tets import Run, follow, quality
 
 
 def default_options():
     """The options of a reshaping and their defaults; 0 stands for a default relative to the template's
     size."""
-    return native.options("reshaping", native.MlgReshapingOptions(), {}).fields()
+    return native.options("reshaping", interface.MlgReshapingOptions(), {}).fields()
 
 
 class Reshaping(Handle):
@@ -62,21 +60,14 @@ class Reshaping(Handle):
     def start(self, **options):
         """Starts on a thread of the library and returns the Run. Options as in the header's
         MlgReshapingOptions: tolerance, landmark_tolerance, smoothness, max_iterations, ..."""
-        options = native.options("reshaping", native.MlgReshapingOptions(), options)
+        options = native.options("reshaping", interface.MlgReshapingOptions(), options)
         run = native.make("reshaping_start", self._handle, options)
         return Run(run, "run_wait_reshaping", ReshapingResult)
 
     def run(self, progress=None, **options):
         """Reshapes and returns the result. `progress(Progress)` is called five times a second; when
         it returns False the run stops and the best shape so far is the result."""
-        run = self.start(**options)
-        while True:
-            now = run.poll()
-            if progress is not None and progress(now) is False:
-                run.cancel()
-            if now.ended:
-                return run.wait()
-            time.sleep(0.2 if now.seconds > 1 else 0.01)
+        return follow(self.start(**options), progress)
 
     def _pairs(self, function, template_points, targets, weights):
         template = array(template_points, 3, numpy.float64, "template_points")
@@ -142,9 +133,9 @@ class ReshapingResult(Handle):
     def summary(self):
         """A dict: stop, iterations, inverted_tets, mean_marker_distance, ..., seconds."""
         found = native.fill(
-            "reshaping_result_summary", self._handle, native.MlgReshapingSummary()
+            "reshaping_result_summary", self._handle, interface.MlgReshapingSummary()
         )
-        found["stop"] = native.STOPS[found["stop"]]
+        found["stop"] = interface.STOPS[found["stop"]]
         return found
 
     @property

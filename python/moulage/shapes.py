@@ -2,7 +2,7 @@
 
 import numpy
 
-from . import native
+from . import interface, native
 from .native import address, array
 
 
@@ -69,7 +69,7 @@ class TriMesh(Handle):
             raise ValueError(f"{len(landmarks)} landmarks but {len(targets)} targets")
         motion = numpy.empty((4, 4))
         native.call(
-            "tri_mesh_align", self._handle, native.ALIGN[freedom], address(markers), len(markers),
+            "tri_mesh_align", self._handle, interface.ALIGN[freedom], address(markers), len(markers),
             address(landmarks), address(targets), len(landmarks), address(motion),
         )
         return motion

@@ -1,10 +1,11 @@
 """Filling a surface with tets, and runs."""
 
+import time
 from collections import namedtuple
 
 import numpy
 
-from . import native
+from . import interface, native
 from .shapes import Handle
 
 Progress = namedtuple(
@@ -23,8 +24,8 @@ class Run(Handle):
         self._waiting, self._result = waiting, result
 
     def poll(self):
-        now = native.fill("run_poll", self._handle, native.MlgProgress())
-        now["ended"] = now.pop("state") == native.RUN_ENDED
+        now = native.fill("run_poll", self._handle, interface.MlgProgress())
+        now["ended"] = now.pop("state") == interface.RUN_ENDED
         now["stage"] = now["stage"].decode("utf-8", "replace")
         return Progress(**now)
 
@@ -39,6 +40,18 @@ class Run(Handle):
     def wait(self):
         """Waits for the end and hands the result over, once."""
         return self._result._take(native.make(self._waiting, self._handle))
+
+
+def follow(run, progress=None):
+    """Waits for a run and returns its result. `progress(Progress)` is called some times a second; when it
+    returns False the run is cancelled."""
+    while True:
+        now = run.poll()
+        if progress is not None and progress(now) is False:
+            run.cancel()
+        if now.ended:
+            return run.wait()
+        time.sleep(0.2 if now.seconds > 1 else 0.01)
 
 
 class Tetrahedralization(Handle):
@@ -80,7 +93,7 @@ class Tetrahedralization(Handle):
     def method(self):
         """What made the tets: tetgen, lattice or given."""
         number = native.get("tetrahedralization_method", self._handle)
-        return next(name for name, value in native.TETS.items() if value == number)
+        return next(name for name, value in interface.TETS.items() if value == number)
 
     @property
     def boundary_kept(self):
@@ -103,11 +116,11 @@ def _tet_options(method, tet_count, tetgen):
     if method not in ("auto", "tetgen", "lattice"):
         raise ValueError(f"method {method!r} is not known; auto, tetgen and lattice are")
     program = native.path(tetgen) if tetgen else None
-    wishes = {"method": native.TETS[method], "tet_count": tet_count, "tetgen_path": program}
-    return native.options("tetrahedralization", native.MlgTetrahedralizationOptions(), wishes)
+    wishes = {"method": interface.TETS[method], "tet_count": tet_count, "tetgen_path": program}
+    return native.options("tetrahedralization", interface.MlgTetrahedralizationOptions(), wishes)
 
 
 def quality(handle, function):
-    found = native.fill(function, handle, native.MlgTetQuality())
+    found = native.fill(function, handle, interface.MlgTetQuality())
     found["dihedral_histogram"] = list(found["dihedral_histogram"])
     return found

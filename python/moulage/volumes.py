@@ -2,9 +2,9 @@
 
 import numpy
 
-from . import native
+from . import interface, native
 from .native import address, array
-from .shapes import Handle
+from .shapes import Handle, Markers, TriMesh
 
 
 class Plane:
@@ -35,7 +35,7 @@ class Volume(Handle):
     @property
     def info(self):
         """A dict: size, world_from_voxel (3, 4), spacing, range, window (width, level), box_low, box_high."""
-        found = native.fill("volume_info", self._handle, native.MlgVolumeInfo())
+        found = native.fill("volume_info", self._handle, interface.MlgVolumeInfo())
         found = {name: numpy.array(value) for name, value in found.items()}
         found["world_from_voxel"] = found["world_from_voxel"].reshape(3, 4)
         return found
@@ -49,7 +49,7 @@ class Volume(Handle):
         """A plane as large as the image needs. `axis`: (0, 0, 1) axial, (0, 1, 0) coronal, (1, 0, 0) sagittal,
         or any other; `position`: millimetres along it; `pixel`: 0 for the image's smallest spacing."""
         axis = array([axis], 3, numpy.float64, "axis")
-        found = native.MlgSlicePlane()
+        found = interface.MlgSlicePlane()
         native.call("volume_plane", self._handle, address(axis), position, pixel, found)
         return Plane(found.corner[:], found.right[:], found.down[:], found.width, found.height)
 
@@ -61,6 +61,30 @@ class Volume(Handle):
             "volume_slice", self._handle, plane._struct(), address(window), 4, address(pixels), pixels.size
         )
         return pixels
+
+
+    @property
+    def labels(self):
+        """The numbers of a label map, ascending, without 0; raises Error for an image that is none."""
+        count = native.c_size_t()
+        native.call("volume_labels", self._handle, None, 0, native.byref(count))
+        found = numpy.zeros(count.value, numpy.uint32)
+        native.call("volume_labels", self._handle, address(found), len(found), native.byref(count))
+        return found.tolist()
+
+    def label_markers(self, label, axes=((0, 0, 1),), **clicks):
+        """Markers on the outlines of a label, as a person would click them: Markers. `axes`: one direction per
+        series of slices, as for `plane`. Keywords: every (mm between slices), spacing (mm along an outline),
+        jitter (mm), seed."""
+        axes = array(axes, 3, numpy.float64, "axes")
+        wishes = native.options("clicks", interface.MlgClicks(), clicks, "clicks_init")
+        return Markers._take(
+            native.make("volume_label_markers", self._handle, label, address(axes), len(axes), wishes)
+        )
+
+    def label_surface(self, label):
+        """The surface of a label: TriMesh; open where the image ends inside it."""
+        return TriMesh._take(native.make("volume_label_surface", self._handle, label))
 
 
 class _Polylines(Handle):

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy
 
 import moulage
-from moulage import native
+from moulage import interface, native
 
 ROOT = Path(__file__).resolve().parents[2]
 LIVER = ROOT / "examples" / "liver"
@@ -29,42 +29,45 @@ def header():
 
 
 class Header(unittest.TestCase):
-    """native.py declares by hand what include/moulage.h says."""
+    """interface.py declares by hand what include/moulage.h says."""
 
     def test_functions_have_as_many_arguments(self):
         declared = {
             name: 0 if arguments.strip() == "void" else arguments.count(",") + 1
             for name, arguments in re.findall(r"\bmlg_(\w+)\(([^;]*?)\);", header(), re.S)
         }
-        for name, arguments in native._CALLS.items():
+        for name, arguments in interface.CALLS.items():
             self.assertEqual(len(arguments), declared[name], name)
-        for name, (_result, *arguments) in native._GETTERS.items():
+        for name, (_result, *arguments) in interface.GETTERS.items():
             self.assertEqual(len(arguments), declared[name], name)
 
     def test_structs_have_the_same_fields(self):
-        kinds = {"uint32_t": "c_uint", "double": "c_double", "size_t": "c_ulong", "const char *": "c_char_p"}
+        kinds = {
+            "uint32_t": "c_uint", "uint64_t": "c_ulong", "double": "c_double", "size_t": "c_ulong",
+            "const char *": "c_char_p", "const double *": "c_void_p", "const MlgTriMesh *": "c_void_p",
+        }
         checked = set()
         for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", header(), re.S):
-            own = getattr(native, name, None)
+            own = getattr(interface, name, None)
             if own is None or name == "MlgError":
                 continue
-            fields = re.findall(r"(uint32_t|double|size_t|const char \*|char)\s*(\w+)(?:\[(\w+)\])?;", body)
+            fields = re.findall(r"((?:const \w+ \*)|uint32_t|uint64_t|double|size_t|char)\s*(\w+)(?:\[(\w+)\])?;", body)
             checked.add(name)
             self.assertEqual([f[1] for f in fields], [f[0] for f in own._fields_], name)
             for (kind, _field, length), (_own_field, own_kind) in zip(fields, own._fields_):
                 if not length:
                     self.assertEqual(kinds[kind], own_kind.__name__, f"{name}.{_field}")
 
-        self.assertEqual(checked, {s.__name__ for s in native.Versioned.__subclasses__()})
+        self.assertEqual(checked, {s.__name__ for s in interface.Versioned.__subclasses__()})
 
     def test_constants_agree(self):
         found = {name: int(value) for name, value in re.findall(r"#define (MLG_\w+) (\d+)\b", header())}
-        self.assertEqual(native.ABI_VERSION, found["MLG_ABI_VERSION"])
-        self.assertEqual(native.TETS, {n: found[f"MLG_TETS_{n.upper()}"] for n in native.TETS})
-        self.assertEqual(native.ALIGN, {n: found[f"MLG_ALIGN_{n.upper()}"] for n in native.ALIGN})
-        self.assertEqual(native.RUN_ENDED, found["MLG_RUN_ENDED"])
+        self.assertEqual(interface.ABI_VERSION, found["MLG_ABI_VERSION"])
+        self.assertEqual(interface.TETS, {n: found[f"MLG_TETS_{n.upper()}"] for n in interface.TETS})
+        self.assertEqual(interface.ALIGN, {n: found[f"MLG_ALIGN_{n.upper()}"] for n in interface.ALIGN})
+        self.assertEqual(interface.RUN_ENDED, found["MLG_RUN_ENDED"])
         stops = dict(re.findall(r"MLG_STOP_(\w+) = (\d+)", header()))
-        self.assertEqual([s.upper() for s in native.STOPS], sorted(stops, key=lambda s: int(stops[s])))
+        self.assertEqual([s.upper() for s in interface.STOPS], sorted(stops, key=lambda s: int(stops[s])))
 
 
 def cube():
@@ -164,6 +167,94 @@ class Volumes(unittest.TestCase):
         self.assertEqual(moulage.section(surface, (0, 0, 5), (0, 0, 1)), [])
 
 
+    def test_a_label_map_gives_its_labels_markers_and_surface(self):
+        grid = numpy.arange(-12, 13)
+        z, y, x = numpy.meshgrid(grid, grid, grid, indexing="ij")
+        values = numpy.where(x**2 + y**2 + z**2 < 81, 7, 0).astype(numpy.int16)
+        head = (
+            "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 25 25 25\n"
+            "space directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (-24,-24,-24)\nencoding: raw\nendian: little\n\n"
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "ball.nrrd"
+            path.write_bytes(head.encode() + values.tobytes())
+            volume = moulage.Volume(path)
+        self.assertEqual(volume.labels, [7])
+        few = volume.label_markers(7, spacing=12).points
+        many = volume.label_markers(7, [(0, 0, 1), (1, 0, 0)], spacing=6, every=4).points
+        self.assertGreater(len(many), 3 * len(few))
+        for points in (few, many, volume.label_surface(7).points):
+            numpy.testing.assert_allclose(numpy.linalg.norm(points, axis=1), 18, atol=1.5)
+        with self.assertRaisesRegex(moulage.Error, "it has 7"):
+            volume.label_markers(8)
+
+
+HAND = ROOT / "examples" / "hand"
+
+
+class Skeletons(unittest.TestCase):
+    def test_a_skeleton_goes_into_arrays_and_a_file_and_back(self):
+        hand = moulage.Skeleton.load(HAND / "skeleton.json")
+        surfaces = [moulage.TriMesh(hand.bone_points(i), hand.bone_triangles(i)) for i in range(27)]
+        joints = hand.joints
+        joints[3].shift_limit = 0.125
+        made = moulage.Skeleton(zip(hand.bone_names, surfaces), joints)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "ö" / "hand.skeleton.json"
+            path.parent.mkdir()
+            made.save(path)
+            made.save(path.with_name("hand.glb"))
+            again = moulage.Skeleton.load(path)
+        self.assertEqual(again.bone_names, hand.bone_names)
+        numpy.testing.assert_array_equal(again.points, hand.points)
+        self.assertEqual(len(again.joints), 26)
+        for one, other in zip(again.joints, joints):
+            self.assertEqual((one.name, one.parent, one.child), (other.name, other.parent, other.child))
+            numpy.testing.assert_allclose(one.parent_frame, other.parent_frame, atol=1e-9)
+            numpy.testing.assert_allclose(one.positive_limits, other.positive_limits, atol=1e-12)
+        self.assertEqual(again.joints[3].shift_limit, 0.125)
+        self.assertIn("cmc_flexion", hand.angles)
+
+    def test_a_hand_is_registered_and_what_it_carries_moves(self):
+        hand = moulage.Skeleton.load(HAND / "skeleton.json")
+        problem = moulage.Registration(hand)
+        problem.set_target(moulage.TriMesh.load(HAND / "target_surface.ply"))
+        run = problem.start()
+        previews = 0
+        while not run.poll().ended:
+            points = run.preview_points()
+            if points is not None:
+                self.assertEqual(points.shape, hand.points.shape)
+                previews += 1
+            time.sleep(0.02)
+        result = run.wait()
+        self.assertGreater(previews, 0)
+        summary = result.summary
+        self.assertEqual((summary["cancelled"], summary["joints_outside"]), (False, 0))
+        self.assertLess(summary["mean_residual"], 0.05)
+        self.assertGreater(result.bone_fit(5)["seen"], 0.9)
+        self.assertLessEqual(max(result.joint_pose(j)["usage"] for j in range(26)), 1.001)
+        person = result.skeleton
+        carried = result.carry(moulage.TriMesh(hand.bone_points(4), hand.bone_triangles(4)))
+        self.assertLess(numpy.linalg.norm(carried - person.bone_points(4), axis=1).mean(), 2.0)
+
+    def test_a_registration_can_be_stopped(self):
+        hand = moulage.Skeleton.load(HAND / "skeleton.json")
+        problem = moulage.Registration(hand)
+        with self.assertRaisesRegex(moulage.Error, "has no target"):
+            problem.run()
+        problem.set_bone_target(0, moulage.TriMesh(hand.bone_points(0) + (3, 0, 0), hand.bone_triangles(0)))
+        result = problem.run(progress=lambda now: False, radii=[float("inf"), 20.0], align=0)
+        self.assertTrue(result.summary["cancelled"])
+
+    def test_wrong_frames_and_ends_are_refused(self):
+        bones = [(name, moulage.TriMesh(*cube())) for name in "ab"]
+        with self.assertRaisesRegex(ValueError, r"joint j: a frame has the shape \(4, 4\)"):
+            moulage.Skeleton(bones, [moulage.Joint("j", 0, 1, numpy.eye(3))])
+        with self.assertRaisesRegex(moulage.Error, "there is no bone 2"):
+            moulage.Skeleton(bones, [moulage.Joint("j", 0, 2)])
+
+
 class LibraryFile(unittest.TestCase):
     def sentence_with(self, path):
         code = "import moulage\ntry:\n    moulage.check_library()\nexcept moulage.LibraryError as e:\n    print(e)"
@@ -179,7 +270,7 @@ class LibraryFile(unittest.TestCase):
             for text, words in (
                 ("int other;", "is not the moulage library"),
                 ("unsigned mlg_abi_version(void) { return 999; }", "of another version (interface 999"),
-                (f"unsigned mlg_abi_version(void) {{ return {native.ABI_VERSION}; }}", "is older than this package"),
+                (f"unsigned mlg_abi_version(void) {{ return {interface.ABI_VERSION}; }}", "is older than this package"),
             ):
                 source.write_text(text)
                 subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)

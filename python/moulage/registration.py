@@ -1,0 +1,93 @@
+"""Registering a skeleton: the problem, a run of it, the result."""
+
+import numpy
+
+from . import interface, native
+from .native import address, array, byref
+from .shapes import Handle
+from .skeletons import Skeleton
+from .tets import Run, follow
+
+
+class Registration(Handle):
+    """A template skeleton and what it is to follow: one surface of all bones, surfaces of single bones, or an image."""
+
+    kind = "registration"
+
+    def __init__(self, skeleton):
+        super().__init__(native.make("registration_new", skeleton._handle))
+
+    def set_target(self, surface):
+        """One surface of all the person's bones, which may be fused."""
+        native.call("registration_set_target", self._handle, surface._handle)
+
+    def set_bone_target(self, bone, surface):
+        """The person's surface of one bone, a number from 0; bones without one follow their joints."""
+        native.call("registration_set_bone_target", self._handle, bone, surface._handle)
+
+    def set_image(self, person, reference):
+        """A Volume of the person, and one of the same kind in which the template lies on the bones. In the person's
+        the template must lie near them. Millimetres."""
+        native.call("registration_set_image", self._handle, person._handle, reference._handle)
+
+    def start(self, radii=None, **options):
+        """Starts on a thread of the library and returns the Run; its preview has the points of all bones. Options as
+        in the header's MlgRegistrationOptions: align, max_iterations, thread_count, paper. `radii`: of the clusters,
+        from coarse to fine."""
+        given = native.options("registration", interface.MlgRegistrationOptions(), options)
+        radii = array([] if radii is None else radii, 1, numpy.float64, "radii")
+        given.radii, given.radius_count = address(radii), len(radii)
+        run = native.make("registration_start", self._handle, given)
+        return Run(run, "run_wait_registration", RegistrationResult)
+
+    def run(self, progress=None, radii=None, **options):
+        """Registers and returns the result. `progress(Progress)` is called some times a second; when it returns
+        False the run stops and what there is is the result."""
+        return follow(self.start(radii, **options), progress)
+
+
+class RegistrationResult(Handle):
+    """A registered skeleton."""
+
+    kind = "registration_result"
+
+    @property
+    def skeleton(self):
+        """The person's: bones in the template's vertex order, joint frames inside all limits."""
+        return Skeleton._take(native.make("registration_result_skeleton", self._handle))
+
+    @property
+    def summary(self):
+        """A dict: cancelled, iterations, suspicious_bones, joints_outside, mean_residual, max_residual, seconds."""
+        found = native.fill("registration_result_summary", self._handle, interface.MlgRegistrationSummary())
+        found["cancelled"] = found["cancelled"] == 1
+        return found
+
+    def bone_fit(self, bone):
+        """A dict: mean_residual, max_residual, seen (share of its area that the target shows), suspicious."""
+        found = interface.MlgBoneFit()
+        native.call("registration_result_bone_fit", self._handle, bone, byref(found))
+        found = found.fields()
+        found.pop("reserved")
+        found["suspicious"] = found["suspicious"] == 1
+        return found
+
+    def joint_pose(self, joint):
+        """A dict: centre, rotation (vector, radians), usage (1: on the limit), excess_rotation, shift, excess_shift,
+        seam."""
+        found = interface.MlgJointPose()
+        native.call("registration_result_joint_pose", self._handle, joint, byref(found))
+        found = found.fields()
+        found["centre"], found["rotation"] = numpy.array(found["centre"]), numpy.array(found["rotation"])
+        return found
+
+    def carry(self, tissue):
+        """The points of a soft tissue TriMesh, given in the template's pose, moved with the bones (n, 3)."""
+        points = numpy.empty_like(tissue.points)
+        native.call("registration_result_carry", self._handle, tissue._handle, address(points))
+        return points
+
+    @property
+    def warnings(self):
+        """What to look at, one sentence each."""
+        return native.text("registration_result_warnings", self._handle).splitlines()
