@@ -14,7 +14,7 @@ bl_info = {
 import bpy
 from bpy.app.handlers import persistent
 
-from . import menu, operators, overlay, panels, preferences, properties, scan, solve
+from . import menu, operators, overlay, panels, preferences, properties, runs, scan, solve
 from .library import Wrong
 
 _classes = (*preferences.classes, *properties.classes, *operators.classes, *panels.classes, *menu.classes)
@@ -22,7 +22,8 @@ _classes = (*preferences.classes, *properties.classes, *operators.classes, *pane
 
 @persistent
 def _before_another_file(*_arguments):
-    solve.shut_down()
+    runs.shut_down()
+    solve.forget()
     scan.forget()
 
 
@@ -62,7 +63,8 @@ def register():
 
 
 def unregister():
-    solve.shut_down()
+    runs.shut_down()
+    solve.forget()
     overlay.unregister()
     for name, handler in _handlers:
         getattr(bpy.app.handlers, name).remove(handler)

@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import landmarks, library, properties, scan, solve, units
+from . import landmarks, library, properties, runs, scan, units
 
 
 class _Panel:
@@ -40,7 +40,7 @@ class MOULAGE_PT_template(_Panel, bpy.types.Panel):
             write(layout, context, problem, "ERROR")
             return
         column = layout.column()
-        column.enabled = not solve.is_running()
+        column.enabled = not runs.is_running()
         column.prop(context.scene.moulage, "template", text="")
         template = properties.template_of(context)
         if template is None:
@@ -186,7 +186,7 @@ class MOULAGE_PT_reshape(_NeedsTemplate, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         state = context.window_manager.moulage
-        if solve.is_running():
+        if runs.is_running():
             self._draw_run(context, layout, state)
             return
         data = properties.template_of(context).moulage
@@ -222,7 +222,7 @@ class MOULAGE_PT_tets(_NeedsTemplate, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        layout.enabled = not solve.is_running()
+        layout.enabled = not runs.is_running()
         data = properties.template_of(context).moulage
         column = layout.column()
         column.use_property_split = True

@@ -1,26 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One run without an operator: started once, ticked until it has ended, finished once. The library
-works on threads of its own. Between ticks nothing of Blender is held; the template is found again
-by its uid."""
+"""One reshaping without an operator. The template is found again by its uid at every tick."""
 
 import time
-import weakref
 
 import bpy
 
 from . import problem, result
-from .library import Wrong, calls, moulage, sentence
+from .library import Wrong, calls, moulage
+from .runs import Running
 
-# A live view may take so large a share of the time between ticks, and no more.
-_LIVE_SHARE = 0.3
 _LIVE_LIMIT = 500_000
 # Tets of the last shapes: a run after "Fill with Tets", or with other markers, need not make them again.
 _CACHE_SIZE = 4
 
-_NO_SHAPE = "Stopped before there was a shape."
-
 _cache = {}
-_open = weakref.WeakSet()
 
 
 def find_template(uid, name):
@@ -53,27 +46,24 @@ def tets_of(inputs):
     return _cache[inputs.key()]
 
 
-class Solve:
+class Solve(Running):
     """A reshaping under way. `progress` holds the latest state."""
 
     def __init__(self, context, template):
         self.inputs = problem.gather(context, template)
-        self.progress = None
-        self.started = time.monotonic()
-        self.closed = False
-        self._error = None
-        self._stopping = False
         self._warnings = []
         self._filling = None
-        self._run = None
-        self._next_view = 0.0
         self._before = result.Before(template)
-        if self.inputs.key() in _cache:
-            with calls():
-                self._start(_cache[self.inputs.key()])
-        else:
-            self._filling = start_filling(self.inputs)
-        _open.add(self)
+        super().__init__()
+        try:
+            if self.inputs.key() in _cache:
+                with calls():
+                    self._start(_cache[self.inputs.key()])
+            else:
+                self._filling = start_filling(self.inputs)
+        except Wrong:
+            self.close()
+            raise
 
     def _start(self, tets):
         inputs = self.inputs
@@ -86,11 +76,9 @@ class Solve:
         self._run = reshaping.start(**inputs.options)
 
     def stop(self):
-        """Asks for the end; the best shape so far is kept."""
-        self._stopping = True
-        for run in (self._filling, self._run):
-            if run is not None:
-                run.cancel()
+        super().stop()
+        if self._filling is not None:
+            self._filling.cancel()
 
     def tick(self):
         """Goes on; False when it has ended."""
@@ -104,46 +92,39 @@ class Solve:
                 keep_tets(self.inputs, self._filling.wait())
                 self._filling = None
                 if self._stopping:
-                    self._error = _NO_SHAPE
+                    self._fail_stopped()
                     return False
                 self._start(_cache[self.inputs.key()])
                 now = self._run.poll()
         except moulage().Error as error:
             self._fail(error)
             return False
-        if find_template(self.inputs.uid, self.inputs.name) is None:
+        if self._template() is None:
             self._error = f"The template '{self.inputs.name}' was deleted; the run was stopped."
             self.stop()
             return False
         return not now.ended
 
-    def _fail(self, error):
-        cancelled = error.status == moulage().CANCELLED
-        self._error = _NO_SHAPE if cancelled else sentence(str(error))
+    def _template(self):
+        return find_template(self.inputs.uid, self.inputs.name)
 
-    def show(self):
-        """Shows the latest shape on the template, unless that would take too long."""
-        template = find_template(self.inputs.uid, self.inputs.name)
-        began = time.monotonic()
-        if self._run is None or template is None or began < self._next_view or not template.moulage.live:
-            return
-        if len(self.inputs.points) > _LIVE_LIMIT or not result.fits(template, self.inputs):
-            return
-        points = self._run.preview_points()
-        if points is not None:
-            result.write_shape(template, self.inputs, self._before, points)
-        now = time.monotonic()
-        self._next_view = now + (now - began) / _LIVE_SHARE
+    def wants_view(self):
+        template = self._template()
+        small = len(self.inputs.points) <= _LIVE_LIMIT
+        return small and template is not None and template.moulage.live and result.fits(template, self.inputs)
+
+    def show_points(self, points):
+        result.write_shape(self._template(), self.inputs, self._before, points)
 
     @property
     def waits_for_object_mode(self):
         """Whether the result cannot be written because the template is being edited."""
-        template = find_template(self.inputs.uid, self.inputs.name)
+        template = self._template()
         return template is not None and template.mode == "EDIT"
 
     def finish(self, context):
         """Writes the result and returns what to tell the user; Wrong if there is none."""
-        template = find_template(self.inputs.uid, self.inputs.name)
+        template = self._template()
         try:
             found = self._wait()
             if template is None:
@@ -153,49 +134,21 @@ class Solve:
             seconds = time.monotonic() - self.started
             return result.write(context, template, self.inputs, self._before, found, self._warnings, seconds)
         except Wrong:
-            self._put_back(template)
+            self.put_back()
             raise
         finally:
             self.close()
 
-    def _wait(self):
-        if self._error is None:
-            try:
-                return self._run.wait()
-            except moulage().Error as error:
-                self._fail(error)
-        raise Wrong(self._error)
-
-    def _put_back(self, template):
+    def put_back(self):
+        template = self._template()
         if template is not None and template.mode != "EDIT":
             self._before.restore(template)
 
-    def abandon(self):
-        """Ends the run and puts the template back as it was."""
-        if not self.closed:
-            self._put_back(find_template(self.inputs.uid, self.inputs.name))
-        self.close()
-
     def close(self):
-        """Ends the run; freeing it waits for its thread."""
         self._filling = None
-        self._run = None
-        self.closed = True
-        _open.discard(self)
+        super().close()
 
 
-def is_running():
-    return len(_open) > 0
-
-
-def stop_all():
-    """Asks all runs to end; their results are kept."""
-    for solve in list(_open):
-        solve.stop()
-
-
-def shut_down():
-    """Ends all runs without a result: when the add-on is disabled."""
-    for solve in list(_open):
-        solve.abandon()
+def forget():
+    """Drops the tets that are kept."""
     _cache.clear()

@@ -4,19 +4,15 @@
 import bpy
 
 from .. import properties
-from .template import fail, poll_template
+from ..library import Wrong
+from .base import NeedsTemplate, poll_template, tells
 
 
-class MOULAGE_OT_add_attachment(bpy.types.Operator):
+class MOULAGE_OT_add_attachment(NeedsTemplate, bpy.types.Operator):
     """Attach the template to a bone; the selected mesh beside the template is taken, if there is one"""
 
     bl_idname = "moulage.add_attachment"
     bl_label = "Add Attachment"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
 
     def execute(self, context):
         template = properties.template_of(context)
@@ -47,24 +43,20 @@ class MOULAGE_OT_remove_attachment(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_add_carried(bpy.types.Operator):
+class MOULAGE_OT_add_carried(NeedsTemplate, bpy.types.Operator):
     """Carry the selected meshes along with the template: vessels inside, a finer version of it"""
 
     bl_idname = "moulage.add_carried"
     bl_label = "Carry Selected"
-    bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
-
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
         data = template.moulage
         there = {item.object for item in data.carried} | {template, data.markers}
         others = [ob for ob in context.selected_objects if ob.type == "MESH" and ob not in there]
         if not others:
-            return fail(self, "Select the meshes that are to move with the template.")
+            raise Wrong("Select the meshes that are to move with the template.")
         for ob in others:
             data.carried.add().object = ob
         data.active_carried = len(data.carried) - 1

@@ -9,7 +9,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import landmarks, markers, problem, properties
 from ..library import Wrong, calls
-from .template import fail, poll_template
+from .base import poll_template, tells
 
 _READ = "*.mrk.json;*.json;*.fcsv;*.pp;*.csv;*.xyz;*.txt;*.ply"
 _WRITTEN = (
@@ -43,13 +43,11 @@ class MOULAGE_OT_import_markers(bpy.types.Operator, ImportHelper):
         dropped = any(f.name for f in self.files)
         return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
 
+    @tells
     def execute(self, context):
         names = [Path(self.directory) / f.name for f in self.files if f.name] or [Path(self.filepath)]
-        try:
-            with calls() as library:
-                positions = numpy.vstack([library.Markers.load(name).points for name in names]) * self.scale
-        except Wrong as error:
-            return fail(self, error)
+        with calls() as library:
+            positions = numpy.vstack([library.Markers.load(name).points for name in names]) * self.scale
         name = names[0].name.split(".")[0]
         template = properties.template_of(context)
         if self.as_empties:
@@ -85,17 +83,15 @@ class MOULAGE_OT_import_landmarks(bpy.types.Operator, ImportHelper):
     def poll(cls, context):
         return poll_template(cls, context)
 
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
         person = bpy.path.abspath(self.person) or None
-        try:
-            inputs = problem.gather_shape(context, template)
-            # Places in the file are in its own unit.
-            with calls() as library:
-                surface = library.TriMesh(inputs.points / self.scale, inputs.triangles)
-                found = library.Pairs.load_landmarks(surface, self.filepath, person)
-        except Wrong as error:
-            return fail(self, error)
+        inputs = problem.gather_shape(context, template)
+        # Places in the file are in its own unit.
+        with calls() as library:
+            surface = library.TriMesh(inputs.points / self.scale, inputs.triangles)
+            found = library.Pairs.load_landmarks(surface, self.filepath, person)
         rows = zip(found.labels, found.template_points * self.scale, found.targets * self.scale, found.weights)
         for label, point, target, weight in rows:
             landmarks.add(context, template, label, point, target).weight = weight
@@ -124,11 +120,8 @@ class _Export(ExportHelper):
         return changed
 
     def save(self, positions, labels):
-        try:
-            with calls() as library:
-                library.Markers(positions / self.scale, labels=labels).save(self.filepath)
-        except Wrong as error:
-            return fail(self, error)
+        with calls() as library:
+            library.Markers(positions / self.scale, labels=labels).save(self.filepath)
         self.report({"INFO"}, f"{len(positions)} points written to {self.filepath}.")
         return {"FINISHED"}
 
@@ -151,10 +144,11 @@ class MOULAGE_OT_export_markers(bpy.types.Operator, _Export):
     def poll(cls, context):
         return poll_template(cls, context)
 
+    @tells
     def execute(self, context):
         positions = markers.points(properties.template_of(context))
         if len(positions) == 0:
-            return fail(self, "The template has no markers.")
+            raise Wrong("The template has no markers.")
         return self.save(positions, None)
 
 
@@ -176,6 +170,7 @@ class MOULAGE_OT_export_landmarks(bpy.types.Operator, _Export):
     def poll(cls, context):
         return poll_template(cls, context)
 
+    @tells
     def execute(self, context):
         empties = [
             (l.name, l.target if self.side == "TARGET" else l.template)
@@ -183,7 +178,7 @@ class MOULAGE_OT_export_landmarks(bpy.types.Operator, _Export):
         ]
         whole = [(name, landmarks.position(empty)) for name, empty in empties if empty is not None]
         if not whole:
-            return fail(self, "There are no landmarks on this side.")
+            raise Wrong("There are no landmarks on this side.")
         return self.save(numpy.array([p for _, p in whole]), [n for n, _ in whole])
 
 

@@ -7,10 +7,10 @@ import numpy
 
 from .. import landmarks, markers, problem, properties, units
 from ..library import Wrong, calls
-from .template import fail, poll_template
+from .base import NeedsTemplate, poll_template, tells
 
 
-class MOULAGE_OT_add_landmark(bpy.types.Operator):
+class MOULAGE_OT_add_landmark(NeedsTemplate, bpy.types.Operator):
     """Add a landmark from two world positions; for scripts (in the 3D view, use Click Pairs)"""
 
     bl_idname = "moulage.add_landmark"
@@ -20,10 +20,6 @@ class MOULAGE_OT_add_landmark(bpy.types.Operator):
     name: bpy.props.StringProperty(name="Name")
     template_point: bpy.props.FloatVectorProperty(name="On the template", subtype="XYZ")
     target: bpy.props.FloatVectorProperty(name="On the person", subtype="XYZ")
-
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
 
     def execute(self, context):
         landmarks.add(context, properties.template_of(context), self.name, self.template_point, self.target)
@@ -72,17 +68,15 @@ class MOULAGE_OT_place_template(bpy.types.Operator):
             return False
         return True
 
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
-        try:
-            inputs = problem.gather_shape(context, template)
-            points, targets, _weights = landmarks.pairs(template)
-            freedom = "similarity" if self.scale else "rigid"
-            with calls() as library:
-                surface = library.TriMesh(inputs.points, inputs.triangles)
-                motion = surface.align(markers.points(template), points, targets, freedom)
-        except Wrong as error:
-            return fail(self, error)
+        inputs = problem.gather_shape(context, template)
+        points, targets, _weights = landmarks.pairs(template)
+        freedom = "similarity" if self.scale else "rigid"
+        with calls() as library:
+            surface = library.TriMesh(inputs.points, inputs.triangles)
+            motion = surface.align(markers.points(template), points, targets, freedom)
         template.matrix_world = mathutils.Matrix(motion.tolist()) @ template.matrix_world
         context.view_layer.update()
         gaps = numpy.linalg.norm(landmarks.pairs(template)[0] - targets, axis=1)

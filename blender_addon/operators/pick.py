@@ -7,7 +7,7 @@ import numpy
 from bpy_extras import view3d_utils
 
 from .. import landmarks, markers, mesh_data, properties, scan
-from .template import poll_template
+from .base import poll_template
 
 # A click this near to a marker, in pixels, means the marker.
 _SNAP = 25

@@ -6,7 +6,7 @@ from bpy_extras.io_utils import ImportHelper
 
 from .. import scan
 from ..library import Wrong
-from .template import fail
+from .base import tells
 
 
 class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
@@ -19,6 +19,7 @@ class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
     filename_ext = ""
     filter_glob: bpy.props.StringProperty(default="*.nii;*.gz;*.nrrd;*.nhdr;*.mha;*.mhd;*.dcm;*.ima;*", options={"HIDDEN"})
 
+    @tells
     def execute(self, context):
         settings = context.scene.moulage
         before = settings.scan
@@ -27,9 +28,9 @@ class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
             read, info = scan.volume(context.scene)
             settings.window_width, settings.window_level = (float(v) for v in info["window"])
             scan.make_slices(context)
-        except Wrong as error:
+        except Wrong:
             settings.scan = before
-            return fail(self, error)
+            raise
         size = " x ".join(str(n) for n in info["size"])
         self.report({"INFO"}, " ".join([f"{size} voxels read.", *read.notes]))
         return {"FINISHED"}
@@ -64,10 +65,11 @@ class MOULAGE_OT_look_at_slice(bpy.types.Operator):
     def poll(cls, context):
         return context.region_data is not None and bool(scan.slices(context.scene))
 
+    @tells
     def execute(self, context):
         empty = scan.slices(context.scene).get(self.view)
         if empty is None:
-            return fail(self, "That slice was deleted: load the scan again.")
+            raise Wrong("That slice was deleted: load the scan again.")
         empty.hide_viewport = False
         view = context.region_data
         view.view_perspective = "ORTHO"

@@ -5,7 +5,8 @@ import bpy
 import numpy
 
 from .. import heat_map, mesh_data, properties
-from .template import fail, poll_template
+from ..library import Wrong
+from .base import poll_template, tells
 
 
 def _has_result(cls, context):
@@ -48,12 +49,13 @@ class MOULAGE_OT_copy_result(bpy.types.Operator):
     def poll(cls, context):
         return poll_template(cls, context) and _has_result(cls, context)
 
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
         keys = template.data.shape_keys
         key = keys.key_blocks.get(template.moulage.result.key) if keys else None
         if key is None:
-            return fail(self, "The result's shape key was removed: reshape again.")
+            raise Wrong("The result's shape key was removed: reshape again.")
         points = mesh_data.key_points(key)
         copy = template.copy()
         copy.data = template.data.copy()

@@ -4,29 +4,9 @@
 import bmesh
 import bpy
 
-from .. import problem, properties, solve, units
+from .. import problem, properties, runs, solve, units
 from ..library import Wrong, calls, sentence
-
-
-def poll_template(cls, context):
-    """For `poll`: there is a template, in Object Mode, and no run is going on."""
-    template = properties.template_of(context)
-    if template is None:
-        cls.poll_message_set("Pick a template first")
-        return False
-    if solve.is_running():
-        cls.poll_message_set("A run is going on: stop it or wait for its end")
-        return False
-    if template.mode != "OBJECT":
-        cls.poll_message_set("Go back to Object Mode")
-        return False
-    return True
-
-
-def fail(operator, error):
-    """Tells the user in one sentence; for `execute`."""
-    operator.report({"ERROR"}, str(error))
-    return {"CANCELLED"}
+from .base import NeedsTemplate, tells
 
 
 class MOULAGE_OT_set_template(bpy.types.Operator):
@@ -41,33 +21,26 @@ class MOULAGE_OT_set_template(bpy.types.Operator):
         if context.object is None or context.object.type != "MESH":
             cls.poll_message_set("Select a mesh")
             return False
-        return not solve.is_running()
+        return not runs.is_running()
 
     def execute(self, context):
         context.scene.moulage.template = context.object
         return {"FINISHED"}
 
 
-class MOULAGE_OT_check_template(bpy.types.Operator):
+class MOULAGE_OT_check_template(NeedsTemplate, bpy.types.Operator):
     """Look for holes, flipped faces, doubled vertices and wrong units"""
 
     bl_idname = "moulage.check_template"
     bl_label = "Check"
-    bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
-
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
-        try:
-            inputs = problem.gather_shape(context, template)
-            with calls() as library:
-                surface = library.TriMesh(inputs.points, inputs.triangles)
-                findings = [sentence(line) for line in surface.check()]
-        except Wrong as error:
-            return fail(self, error)
+        inputs = problem.gather_shape(context, template)
+        with calls() as library:
+            surface = library.TriMesh(inputs.points, inputs.triangles)
+            findings = [sentence(line) for line in surface.check()]
         size = (inputs.points.max(axis=0) - inputs.points.min(axis=0)).max()
         if units.millimetres(context.scene, size) > 10_000:
             findings.append(
@@ -80,28 +53,24 @@ class MOULAGE_OT_check_template(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_fix_template(bpy.types.Operator):
+class MOULAGE_OT_fix_template(NeedsTemplate, bpy.types.Operator):
     """Put right what the check found. Steps that add or remove vertices are left out once the mesh has
     shape keys"""
 
     bl_idname = "moulage.fix_template"
     bl_label = "Fix"
-    bl_options = {"REGISTER", "UNDO"}
 
     normals: bpy.props.BoolProperty(name="Faces outward", description="Turn faces that look inward", default=True)
     doubles: bpy.props.BoolProperty(name="Merge doubled vertices", default=True)
     loose: bpy.props.BoolProperty(name="Remove loose vertices", default=True)
     holes: bpy.props.BoolProperty(name="Close holes", default=True)
 
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
-
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
         mesh = template.data
         if mesh.library is not None:
-            return fail(self, "The template's mesh is linked from another file: make it local first.")
+            raise Wrong("The template's mesh is linked from another file: make it local first.")
         before = len(mesh.vertices)
         work = bmesh.new()
         work.from_mesh(mesh)
@@ -148,29 +117,22 @@ class MOULAGE_OT_use_millimetres(bpy.types.Operator):
                     space = area.spaces.active
                     space.clip_start, space.clip_end = max(space.clip_start, 0.1), max(space.clip_end, 100_000.0)
         template = properties.template_of(context)
-        if template is not None and template.moulage.checked and not solve.is_running():
+        if template is not None and template.moulage.checked and not runs.is_running():
             bpy.ops.moulage.check_template()
         return {"FINISHED"}
 
 
-class MOULAGE_OT_tetrahedralize(bpy.types.Operator):
+class MOULAGE_OT_tetrahedralize(NeedsTemplate, bpy.types.Operator):
     """Fill the template with tets and measure them. Reshape does this by itself; here you see how good they are"""
 
     bl_idname = "moulage.tetrahedralize"
     bl_label = "Fill with Tets"
-    bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
-
+    @tells
     def execute(self, context):
         template = properties.template_of(context)
-        try:
-            inputs = problem.gather_shape(context, template)
-            tets = solve.tets_of(inputs)
-        except Wrong as error:
-            return fail(self, error)
+        inputs = problem.gather_shape(context, template)
+        tets = solve.tets_of(inputs)
         quality, how = tets.quality, {"tetgen": "TetGen", "lattice": "the lattice"}[tets.method]
         lines = [
             f"{quality['tet_count']} tets by {how}",
