@@ -1,7 +1,7 @@
-"""Installs the built zip into this Blender and runs cases.py.
+"""Installs the built zip into this Blender and runs the tests of cases/.
 
-    PYTHON-WITH-bpy tests/blender/run.py DIST [NAME...]
-    blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- DIST [NAME...]
+    PYTHON-WITH-bpy tests/blender/run.py DIST [THEME[.CLASS[.TEST]]...]
+    blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- DIST [THEME[.CLASS[.TEST]]...]
 """
 
 import os
@@ -16,7 +16,8 @@ if "bpy" not in sys.modules:
 
 import bpy
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
 
 
 def install(dist):
@@ -41,11 +42,8 @@ def install(dist):
 def main():
     arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
     os.environ["MOULAGE_MODULE"] = install(Path(arguments[0]).resolve())
-    import cases
-
-    loader = unittest.defaultTestLoader
-    names = [f"cases.{name}" for name in arguments[1:]]
-    suite = loader.loadTestsFromNames(names) if names else loader.loadTestsFromModule(cases)
+    themes = sorted(p.stem for p in (HERE / "cases").glob("*.py") if p.stem != "__init__")
+    suite = unittest.defaultTestLoader.loadTestsFromNames(f"cases.{name}" for name in arguments[1:] or themes)
     print(f"Blender {bpy.app.version_string}, {suite.countTestCases()} tests", flush=True)
     passed = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite).wasSuccessful()
     sys.stdout.flush()

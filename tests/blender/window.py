@@ -108,7 +108,7 @@ def template():
 
 
 def running():
-    return run_part("solve").is_running()
+    return run_part("runs").is_running()
 
 
 def has_result():

@@ -1,0 +1,88 @@
+"""Markers and landmarks in files, and landmarks in the scene."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import bpy
+import numpy
+from mathutils import Vector
+
+import scenes
+from scenes import part, points_of, shape_of
+
+
+class Files(unittest.TestCase):
+    def test_markers_go_out_and_come_back_in_every_format(self):
+        for ending in (".mrk.json", ".fcsv", ".pp", ".csv"):
+            with self.subTest(ending=ending), tempfile.TemporaryDirectory() as folder:
+                template = scenes.ball_and_markers()
+                marks = points_of(template.moulage.markers.data).copy()
+                path = str(Path(folder) / f"marks{ending}")
+                bpy.ops.moulage.export_markers(filepath=path, format=ending)
+                bpy.ops.moulage.import_markers(filepath=path)
+                self.assertNotEqual(template.moulage.markers.name, "marks")
+                numpy.testing.assert_allclose(part("markers").points(template), marks, atol=1e-4)
+
+    def test_several_files_that_are_dropped_become_one_object(self):
+        template = scenes.ball_and_markers()
+        bpy.ops.moulage.import_markers(directory=str(scenes.LIVER), files=[{"name": "markers.csv"}, {"name": "markers.csv"}])
+        self.assertEqual(len(template.moulage.markers.data.vertices), 2 * 308)
+
+    def test_landmarks_go_out_and_are_paired_by_their_names(self):
+        template = scenes.ball_and_markers()
+        for name, place in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1))):
+            bpy.ops.moulage.add_landmark(name=name, template_point=place, target=scenes.egg([place])[0])
+        bpy.context.view_layer.update()
+        before = part("landmarks").pairs(template)
+        with tempfile.TemporaryDirectory() as folder:
+            own, person = str(Path(folder) / "own.mrk.json"), str(Path(folder) / "person.mrk.json")
+            bpy.ops.moulage.export_landmarks(filepath=own, format=".mrk.json", side="TEMPLATE", scale=0.001)
+            bpy.ops.moulage.export_landmarks(filepath=person, format=".mrk.json", side="TARGET", scale=0.001)
+            bpy.ops.moulage.remove_landmark(all=True)
+            self.assertEqual(len(template.moulage.landmarks), 0)
+            bpy.ops.moulage.import_landmarks(filepath=own, person=person, scale=0.001)
+        bpy.context.view_layer.update()
+        after = part("landmarks").pairs(template)
+        self.assertEqual([l.name for l in template.moulage.landmarks], ["a", "b", "c"])
+        for one, other in zip(before, after):
+            numpy.testing.assert_allclose(one, other, atol=1e-4)
+
+    def test_a_file_that_is_none_is_refused_in_a_sentence(self):
+        scenes.ball_and_markers()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "bad.mrk.json"
+            path.write_text("{")
+            with self.assertRaisesRegex(RuntimeError, "bad.mrk.json"):
+                bpy.ops.moulage.import_markers(filepath=str(path))
+
+
+class Landmarks(unittest.TestCase):
+    def test_clicks_on_a_reshaped_template_mean_the_place_at_rest(self):
+        template = scenes.ball_and_markers()
+        bpy.ops.moulage.reshape()
+        bpy.context.view_layer.update()
+        pick = part("operators.pick")
+        shape, rest = shape_of(template), points_of(template.data)
+        tip = int(shape[:, 0].argmax())
+        start = Vector(shape[tip].tolist()) + Vector((5, 0, 0))
+        place = pick.point_on_template(bpy.context, template, start, Vector((-1, 0, 0)))
+        self.assertLess((place - Vector(rest[tip].tolist())).length, 0.01)
+        self.assertIsNone(pick.point_on_template(bpy.context, template, Vector((5, 9, 0)), Vector((-1, 0, 0))))
+
+    def test_a_removed_empty_makes_its_landmark_incomplete(self):
+        template = scenes.ball_and_markers()
+        bpy.ops.moulage.add_landmark(name="a", template_point=(1, 0, 0), target=(2, 0, 0))
+        bpy.data.objects.remove(template.moulage.landmarks[0].target)
+        self.assertEqual(part("landmarks").used(template), [])
+        self.assertEqual(part("landmarks").incomplete(template).name, "a")
+        self.assertEqual(bpy.ops.moulage.reshape(), {"FINISHED"})
+
+    def test_template_points_move_with_the_template(self):
+        template = scenes.ball_and_markers()
+        bpy.ops.moulage.add_landmark(name="a", template_point=(1, 0, 0), target=(2, 0, 0))
+        template.location = (0, 0, 3)
+        bpy.context.view_layer.update()
+        points, targets, _ = part("landmarks").pairs(template)
+        numpy.testing.assert_allclose(points, [(1, 0, 3)], atol=1e-6)
+        numpy.testing.assert_allclose(targets, [(2, 0, 0)], atol=1e-6)
