@@ -14,10 +14,15 @@ bl_info = {
 import bpy
 from bpy.app.handlers import persistent
 
-from . import menu, operators, overlay, panels, preferences, properties, runs, scan, solve
+from . import (
+    menu, operators, overlay, panels, preferences, properties, runs, scan, skeleton_panels, skeleton_properties, solve,
+)
 from .library import Wrong
 
-_classes = (*preferences.classes, *properties.classes, *operators.classes, *panels.classes, *menu.classes)
+_classes = (
+    *preferences.classes, *skeleton_properties.classes, *properties.classes, *operators.classes, *panels.classes,
+    *skeleton_panels.classes, *menu.classes,
+)
 
 
 @persistent
@@ -54,6 +59,7 @@ _handlers = (
 def register():
     for cls in _classes:
         bpy.utils.register_class(cls)
+    skeleton_properties.register()
     properties.register()
     menu.register()
     for name, handler in _handlers:
@@ -71,5 +77,6 @@ def unregister():
     scan.forget()
     menu.unregister()
     properties.unregister()
+    skeleton_properties.unregister()
     for cls in reversed(_classes):
         bpy.utils.unregister_class(cls)

@@ -23,7 +23,10 @@ class MOULAGE_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator("moulage.tetrahedralize")
         layout.operator("moulage.reshape")
-        layout.operator("moulage.stop", text="Stop Reshaping")
+        layout.operator("moulage.stop", text="Stop the Run")
+        layout.separator()
+        layout.operator("moulage.register", text="Register Skeleton")
+        layout.operator("moulage.add_soft_tissue", text="Carry Selected with Skeleton")
         layout.separator()
         layout.operator_menu_enum("moulage.show_heat_map", "kind")
         layout.operator("moulage.copy_result", text="Copy Result as New Object")
@@ -38,11 +41,13 @@ def _in_import_menu(self, _context):
     self.layout.operator("moulage.import_markers", text="Moulage Markers")
     self.layout.operator("moulage.import_landmarks", text="Moulage Landmarks")
     self.layout.operator("moulage.load_scan", text="Moulage Scan")
+    self.layout.operator("moulage.import_skeleton", text="Moulage Skeleton (.skeleton.json, .osim)")
 
 
 def _in_export_menu(self, _context):
     self.layout.operator("moulage.export_markers", text="Moulage Markers")
     self.layout.operator("moulage.export_landmarks", text="Moulage Landmarks")
+    self.layout.operator("moulage.export_skeleton", text="Moulage Skeleton (.skeleton.json, .glb)")
 
 
 _PLACES = (

@@ -8,13 +8,13 @@ import bpy
 from . import landmarks, library, properties, runs, scan, units
 
 
-class _Panel:
+class Panel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Moulage"
 
 
-class _NeedsTemplate(_Panel):
+class _NeedsTemplate(Panel):
     @classmethod
     def poll(cls, context):
         return properties.template_of(context) is not None
@@ -30,7 +30,7 @@ def write(layout, context, text, icon="NONE"):
             column.label(text=line, icon=icon if number == 0 else ("BLANK1" if icon != "NONE" else "NONE"))
 
 
-class MOULAGE_PT_template(_Panel, bpy.types.Panel):
+class MOULAGE_PT_template(Panel, bpy.types.Panel):
     bl_label = "Template"
 
     def draw(self, context):
@@ -64,7 +64,7 @@ class MOULAGE_PT_template(_Panel, bpy.types.Panel):
             column.operator("moulage.use_millimetres", icon="DRIVER_DISTANCE", text="Coordinates Are Millimetres")
 
 
-class MOULAGE_PT_scan(_Panel, bpy.types.Panel):
+class MOULAGE_PT_scan(Panel, bpy.types.Panel):
     bl_label = "Scan"
 
     def draw(self, context):
@@ -185,9 +185,8 @@ class MOULAGE_PT_reshape(_NeedsTemplate, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        state = context.window_manager.moulage
         if runs.is_running():
-            self._draw_run(context, layout, state)
+            draw_run(context, layout)
             return
         data = properties.template_of(context).moulage
         column = layout.column()
@@ -203,16 +202,19 @@ class MOULAGE_PT_reshape(_NeedsTemplate, bpy.types.Panel):
         row.scale_y = 1.5
         row.operator("moulage.reshape", icon="PLAY")
 
-    def _draw_run(self, context, layout, state):
-        if hasattr(layout, "progress"):
-            layout.progress(factor=state.fraction, text=f"{100 * state.fraction:.0f} %  {state.stage}")
-        else:
-            layout.prop(state, "fraction", text=state.stage, slider=True)
-        if state.details:
-            write(layout, context, state.details)
-        row = layout.row()
-        row.scale_y = 1.5
-        row.operator("moulage.stop", icon="CANCEL", text="Stop and Keep the Best")
+
+def draw_run(context, layout):
+    """Where the present run stands, and the button that stops it."""
+    state = context.window_manager.moulage
+    if hasattr(layout, "progress"):
+        layout.progress(factor=state.fraction, text=f"{100 * state.fraction:.0f} %  {state.stage}")
+    else:
+        layout.prop(state, "fraction", text=state.stage, slider=True)
+    if state.details:
+        write(layout, context, state.details)
+    row = layout.row()
+    row.scale_y = 1.5
+    row.operator("moulage.stop", icon="CANCEL", text="Stop and Keep the Best")
 
 
 class MOULAGE_PT_tets(_NeedsTemplate, bpy.types.Panel):

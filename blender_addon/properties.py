@@ -178,6 +178,10 @@ class MOULAGE_PG_scene(bpy.types.PropertyGroup):
     template: PointerProperty(
         name="Template", description="The mesh to put into the person's shape", type=bpy.types.Object, poll=_is_mesh
     )
+    skeleton: PointerProperty(
+        name="Skeleton", description="The armature to put on the person's bones", type=bpy.types.Object,
+        poll=lambda _self, ob: ob.type == "ARMATURE",
+    )
     scan: StringProperty(name="Scan", description="File or folder of the image volume", subtype="FILE_PATH")
     axial: _slider("AXIAL")
     coronal: _slider("CORONAL")

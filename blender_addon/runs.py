@@ -18,6 +18,9 @@ _open = weakref.WeakSet()
 class Running:
     """What reshaping and registration have in common. Subclasses set `_run`, and write what comes out."""
 
+    # Length in the scene of one unit of the run.
+    unit = 1.0
+
     def __init__(self):
         self.progress = None
         self.started = time.monotonic()

@@ -3,6 +3,7 @@
 
 import functools
 import time
+from pathlib import Path
 
 import bpy
 
@@ -56,6 +57,12 @@ def tells(execute):
             return {"CANCELLED"}
 
     return wrapped
+
+
+def dropped_or_chosen(operator):
+    """The files that were dropped, or the one chosen in the file browser."""
+    dropped = [Path(operator.directory) / f.name for f in operator.files if f.name]
+    return dropped or [Path(operator.filepath)]
 
 
 def publish(context, current):

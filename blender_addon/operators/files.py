@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files: markers and landmarks of 3D Slicer, MeshLab and tables, in and out."""
 
-from pathlib import Path
-
 import bpy
 import numpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import landmarks, markers, problem, properties
 from ..library import Wrong, calls
-from .base import poll_template, tells
+from .base import dropped_or_chosen, poll_template, tells
 
 _READ = "*.mrk.json;*.json;*.fcsv;*.pp;*.csv;*.xyz;*.txt;*.ply"
 _WRITTEN = (
@@ -18,7 +16,7 @@ _WRITTEN = (
 )
 
 
-_SCALE = bpy.props.FloatProperty(
+SCALE = bpy.props.FloatProperty(
     name="Scale", description="Length in the scene of one unit of the file: 0.001 for millimetres in a scene in metres",
     default=1.0, min=1e-9, soft_min=0.001, soft_max=1000.0,
 )
@@ -36,7 +34,7 @@ class MOULAGE_OT_import_markers(bpy.types.Operator, ImportHelper):
     files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
     directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     as_empties: bpy.props.BoolProperty(name="As empties", description="One empty per marker, to move them by hand")
-    scale: _SCALE
+    scale: SCALE
 
     def invoke(self, context, event):
         # Dropped files come with their names.
@@ -45,7 +43,7 @@ class MOULAGE_OT_import_markers(bpy.types.Operator, ImportHelper):
 
     @tells
     def execute(self, context):
-        names = [Path(self.directory) / f.name for f in self.files if f.name] or [Path(self.filepath)]
+        names = dropped_or_chosen(self)
         with calls() as library:
             positions = numpy.vstack([library.Markers.load(name).points for name in names]) * self.scale
         name = names[0].name.split(".")[0]
@@ -77,7 +75,7 @@ class MOULAGE_OT_import_landmarks(bpy.types.Operator, ImportHelper):
         name="Person's file", description="The file with the same labels on the person; empty for a table of pairs",
         subtype="FILE_PATH",
     )
-    scale: _SCALE
+    scale: SCALE
 
     @classmethod
     def poll(cls, context):
@@ -138,7 +136,7 @@ class MOULAGE_OT_export_markers(bpy.types.Operator, _Export):
     what = "markers"
     filename_ext = ""
     format: _FORMAT
-    scale: _SCALE
+    scale: SCALE
 
     @classmethod
     def poll(cls, context):
@@ -164,7 +162,7 @@ class MOULAGE_OT_export_landmarks(bpy.types.Operator, _Export):
     side: bpy.props.EnumProperty(
         name="Side", items=[("TARGET", "Person", "Their places on the person"), ("TEMPLATE", "Template", "Their places on the template")]
     )
-    scale: _SCALE
+    scale: SCALE
 
     @classmethod
     def poll(cls, context):

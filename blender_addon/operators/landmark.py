@@ -6,7 +6,7 @@ import mathutils
 import numpy
 
 from .. import landmarks, markers, problem, properties, units
-from ..library import Wrong, calls
+from ..library import calls
 from .base import NeedsTemplate, poll_template, tells
 
 

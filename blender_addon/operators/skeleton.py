@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Skeletons: files in and out, soft tissues, registration, motions."""
+
+import bpy
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from .. import registering, rig, skeleton_files, skeleton_properties
+from ..library import Wrong
+from .base import Runs, dropped_or_chosen, poll_idle, tells
+from .files import SCALE
+
+
+def _poll_skeleton(cls, context):
+    """For `poll`: there is a skeleton, nothing is edited, and no run is going on."""
+    if skeleton_properties.skeleton_of(context) is None:
+        cls.poll_message_set("Pick a skeleton first")
+        return False
+    return _poll_object_mode(cls, context)
+
+
+def _poll_object_mode(cls, context):
+    if not poll_idle(cls):
+        return False
+    if context.mode != "OBJECT":
+        cls.poll_message_set("Go back to Object Mode")
+        return False
+    return True
+
+
+class MOULAGE_OT_import_skeleton(bpy.types.Operator, ImportHelper):
+    """Read a skeleton: an armature with joint limits, and a mesh on each bone"""
+
+    bl_idname = "moulage.import_skeleton"
+    bl_label = "Import Skeleton"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ""
+    filter_glob: bpy.props.StringProperty(default="*.json;*.osim", options={"HIDDEN"})
+    files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
+    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    scale: SCALE
+
+    @classmethod
+    def poll(cls, context):
+        return _poll_object_mode(cls, context)
+
+    def invoke(self, context, event):
+        dropped = any(f.name for f in self.files)
+        return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
+
+    @tells
+    def execute(self, context):
+        path = dropped_or_chosen(self)[0]
+        armature, notes = skeleton_files.load(context, path, self.scale)
+        context.scene.moulage.skeleton = armature
+        self.report({"INFO"}, " ".join([f"{len(armature.data.bones)} bones read.", *notes]))
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_export_skeleton(bpy.types.Operator, ExportHelper):
+    """Write the skeleton: .skeleton.json with the bones beside it, or a .glb scene"""
+
+    bl_idname = "moulage.export_skeleton"
+    bl_label = "Export Skeleton"
+
+    check_extension = None
+    filename_ext = ".skeleton.json"
+    person: bpy.props.BoolProperty(name="Person", description="Write the person's skeleton instead of the template")
+    scale: SCALE
+
+    @classmethod
+    def poll(cls, context):
+        return _poll_skeleton(cls, context)
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            self.filepath = f"{skeleton_properties.skeleton_of(context).name}.skeleton.json"
+        return ExportHelper.invoke(self, context, event)
+
+    @tells
+    def execute(self, context):
+        armature = skeleton_properties.skeleton_of(context)
+        if self.person:
+            armature = armature.moulage_skeleton.person
+            if armature is None:
+                raise Wrong("There is no person yet: register first.")
+        count = skeleton_files.save(context, armature, self.filepath, self.scale)
+        self.report({"INFO"}, f"{count} bones written to {self.filepath}.")
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_add_soft_tissue(bpy.types.Operator):
+    """Carry the selected meshes along with the bones: muscles, skin"""
+
+    bl_idname = "moulage.add_soft_tissue"
+    bl_label = "Carry Selected"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _poll_skeleton(cls, context)
+
+    @tells
+    def execute(self, context):
+        armature = skeleton_properties.skeleton_of(context)
+        data = armature.moulage_skeleton
+        there = {item.object for item in data.carried} | {data.target}
+        others = [
+            ob for ob in context.selected_objects
+            if ob.type == "MESH" and ob not in there and not (ob.parent == armature and ob.parent_type == "BONE")
+        ]
+        if not others:
+            raise Wrong("Select the muscles or the skin that are to move with the bones.")
+        for ob in others:
+            data.carried.add().object = ob
+        data.active_carried = len(data.carried) - 1
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_remove_soft_tissue(bpy.types.Operator):
+    """Carry this mesh no longer"""
+
+    bl_idname = "moulage.remove_soft_tissue"
+    bl_label = "Remove Soft Tissue"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _poll_skeleton(cls, context)
+
+    def execute(self, context):
+        data = skeleton_properties.skeleton_of(context).moulage_skeleton
+        data.carried.remove(data.active_carried)
+        data.active_carried = max(0, data.active_carried - 1)
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_register(Runs, bpy.types.Operator):
+    """Put the skeleton on the person's bones, each joint inside its limits. The person becomes an armature of its
+    own; Blender stays free meanwhile; Stop, or Esc over a 3D view, keeps the best so far"""
+
+    bl_idname = "moulage.register"
+    bl_label = "Register"
+
+    @classmethod
+    def poll(cls, context):
+        if not _poll_skeleton(cls, context):
+            return False
+        missing = registering.missing(skeleton_properties.skeleton_of(context))
+        if missing:
+            cls.poll_message_set(missing)
+        return not missing
+
+    def begin(self, context):
+        return registering.Registering(context, skeleton_properties.skeleton_of(context))
+
+
+class MOULAGE_OT_show_action(bpy.types.Operator):
+    """Show the person in the pose of the scan, or moving as the template moves"""
+
+    bl_idname = "moulage.show_action"
+    bl_label = "Show Pose or Motion"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.EnumProperty(name="Show", items=[("POSE", "Pose of the Scan", ""), ("MOTION", "Motion", "")])
+
+    @classmethod
+    def poll(cls, context):
+        return _poll_skeleton(cls, context)
+
+    @tells
+    def execute(self, context):
+        armature = skeleton_properties.skeleton_of(context)
+        own = armature.moulage_skeleton.person or armature
+        data = own.moulage_skeleton
+        if data.motion is None:
+            raise Wrong("The template had no action when it was registered.")
+        rig.assign(own, data.pose if self.kind == "POSE" else data.motion)
+        context.view_layer.update()
+        return {"FINISHED"}
+
+
+classes = (
+    MOULAGE_OT_import_skeleton, MOULAGE_OT_export_skeleton, MOULAGE_OT_add_soft_tissue,
+    MOULAGE_OT_remove_soft_tissue, MOULAGE_OT_register, MOULAGE_OT_show_action,
+)
+
+if bpy.app.version >= (4, 1, 0):
+
+    class MOULAGE_FH_skeleton(bpy.types.FileHandler):
+        """Skeleton files can be dropped into the 3D view."""
+
+        bl_idname = "MOULAGE_FH_skeleton"
+        bl_label = "Moulage skeleton"
+        bl_import_operator = "moulage.import_skeleton"
+        bl_file_extensions = ".json;.osim"
+
+        @classmethod
+        def poll_drop(cls, context):
+            return context.area is not None and context.area.type == "VIEW_3D"
+
+    classes += (MOULAGE_FH_skeleton,)

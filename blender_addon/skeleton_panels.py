@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels for skeletons."""
+
+import math
+
+import bpy
+
+from . import person, registering, runs, skeleton, skeleton_properties, units
+from .library import Wrong
+from .panels import Panel, draw_run, write
+
+
+class MOULAGE_PT_skeleton(Panel, bpy.types.Panel):
+    bl_label = "Skeleton"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        column = layout.column()
+        column.enabled = not runs.is_running()
+        column.prop(context.scene.moulage, "skeleton", text="", icon="ARMATURE_DATA")
+        row = column.row(align=True)
+        row.operator("moulage.import_skeleton", text="Import", icon="IMPORT")
+        row.operator("moulage.export_skeleton", text="Export", icon="EXPORT")
+        armature = skeleton_properties.skeleton_of(context)
+        if armature is None:
+            write(layout, context, "Pick an armature whose bones carry meshes, or import a skeleton.", "INFO")
+            return
+        self._count(context, layout, armature)
+        _draw_carried(layout, armature)
+
+    def _count(self, context, layout, armature):
+        try:
+            carrying = skeleton.meshes(armature)
+        except Wrong as wrong:
+            write(layout, context, str(wrong), "ERROR")
+            return
+        bones = [armature.data.bones[name] for name in carrying]
+        joints = [b for b in bones if skeleton.ancestor(b, carrying) is not None]
+        text = f"{len(bones)} bones, {len(joints) + len(armature.moulage_skeleton.loops)} joints"
+        layout.label(text=text)
+        free = sum(1 for b in joints if _is_free(armature.pose.bones[b.name]))
+        if free:
+            write(layout, context, f"{free} joints without limits: give them a Limit Rotation constraint (local).", "INFO")
+
+
+def _is_free(pose):
+    return all(math.isinf(v) for side in skeleton.limits(pose) for v in side)
+
+
+def _draw_carried(layout, armature):
+    data = armature.moulage_skeleton
+    if data.carried:
+        row = layout.row()
+        row.template_list("MOULAGE_UL_carried", "soft", data, "carried", data, "active_carried", rows=2)
+        row.operator("moulage.remove_soft_tissue", text="", icon="REMOVE")
+    layout.operator("moulage.add_soft_tissue", icon="ADD")
+
+
+class _NeedsSkeleton(Panel):
+    bl_parent_id = "MOULAGE_PT_skeleton"
+
+    @classmethod
+    def poll(cls, context):
+        return skeleton_properties.skeleton_of(context) is not None
+
+
+class MOULAGE_PT_register(_NeedsSkeleton, bpy.types.Panel):
+    bl_label = "Register"
+
+    def draw(self, context):
+        layout = self.layout
+        if runs.is_running():
+            draw_run(context, layout)
+            return
+        armature = skeleton_properties.skeleton_of(context)
+        data = armature.moulage_skeleton
+        column = layout.column()
+        column.prop(data, "target_kind", text="")
+        names = {
+            "SURFACE": ("target",), "BONES": ("target_bones",), "LABELS": ("label_map", "label"),
+            "IMAGE": ("image", "reference"),
+        }
+        for name in names[data.target_kind]:
+            column.prop(data, name, text="" if name in {"target", "target_bones"} else None)
+        settings = layout.column()
+        if data.target_kind != "IMAGE":
+            settings.prop(data, "near")
+        settings.prop(data, "live")
+        settings.prop(data, "keep")
+        missing = registering.missing(armature)
+        if missing:
+            write(layout, context, missing + ".", "INFO")
+        row = layout.row()
+        row.scale_y = 1.5
+        row.operator("moulage.register", icon="PLAY")
+
+
+class MOULAGE_UL_joints(bpy.types.UIList):
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
+        at_limit = item.usage >= person.AT_LIMIT
+        row = layout.row(align=True)
+        row.label(text=item.name, icon="ERROR" if at_limit else "NONE")
+        figure = row.row()
+        figure.alignment = "RIGHT"
+        figure.label(text=f"{math.degrees(item.rotation):.0f}°  {100 * item.usage:.0f} %")
+
+
+class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
+    bl_label = "Person"
+
+    def draw(self, context):
+        layout = self.layout
+        armature = skeleton_properties.skeleton_of(context)
+        own = armature.moulage_skeleton.person or armature
+        kept = own.moulage_skeleton.result
+        if not kept.ending:
+            write(layout, context, "No person yet: register first.", "INFO")
+            return
+        write(layout, context, kept.ending)
+        column = layout.column(align=True)
+        column.scale_y = 0.8
+        mean, largest = (units.text(context.scene, v) for v in (kept.mean_residual, kept.max_residual))
+        column.label(text=f"Bones: mean {mean},")
+        column.label(text=f"largest {largest}")
+        column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
+        if kept.warnings:
+            write(layout, context, kept.warnings, "ERROR")
+        tight = len(person.at_limit(kept))
+        layout.label(text=f"Joints: {tight} at {'their' if tight != 1 else 'its'} limit" + ("s" if tight != 1 else ""))
+        layout.template_list("MOULAGE_UL_joints", "", kept, "joints", kept, "active_joint", rows=4)
+        if own.moulage_skeleton.motion is not None:
+            row = layout.row(align=True)
+            shown = own.animation_data.action if own.animation_data else None
+            for kind, action in (("POSE", own.moulage_skeleton.pose), ("MOTION", own.moulage_skeleton.motion)):
+                name = "Pose of the Scan" if kind == "POSE" else "Motion"
+                row.operator("moulage.show_action", text=name, depress=shown == action).kind = kind
+
+
+class MOULAGE_PT_joint(bpy.types.Panel):
+    bl_label = "Moulage"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "bone"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.active_pose_bone is not None
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        for name in ("joint", "shift", "label"):
+            column.prop(context.active_pose_bone.moulage, name)
+
+
+classes = (MOULAGE_UL_joints, MOULAGE_PT_skeleton, MOULAGE_PT_register, MOULAGE_PT_person, MOULAGE_PT_joint)

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is saved in the .blend about skeletons: on the armature the target and the result, on each of its bones
+the joint."""
+
+import bpy
+from bpy.props import (
+    BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty,
+    StringProperty,
+)
+
+
+def _is_mesh(_self, ob):
+    return ob.type == "MESH"
+
+
+class MOULAGE_PG_joint(bpy.types.PropertyGroup):
+    """The joint at a bone's head; its limits are the bone's Limit Rotation constraint."""
+
+    joint: StringProperty(name="Joint", description="Name of the joint in files; empty: the bone's")
+    shift: FloatProperty(
+        name="Shift", subtype="DISTANCE", min=0.0,
+        description="How far the two bones may move apart at the joint. 0: half a percent of the skeleton's diagonal",
+    )
+    label: IntProperty(name="Label", description="The bone's number in label maps; 0: none", min=0)
+    coordinates: StringProperty(description="Named angles of the joint, as the file has them")
+    widened: FloatVectorProperty(description="What the constraint allows beyond the limits, to hold the pose", size=6)
+
+
+class MOULAGE_PG_loop(bpy.types.PropertyGroup):
+    """A joint that only closes a loop: an armature has no place for it."""
+
+    name: StringProperty()
+    parent: StringProperty()
+    child: StringProperty()
+    parent_frame: FloatVectorProperty(size=16)
+    child_frame: FloatVectorProperty(size=16)
+    negative: FloatVectorProperty(description="Radians; below 0: free", size=3)
+    positive: FloatVectorProperty(description="Radians; below 0: free", size=3)
+    shift: FloatProperty()
+
+
+class MOULAGE_PG_soft(bpy.types.PropertyGroup):
+    """A soft tissue that moves with the bones."""
+
+    object: PointerProperty(name="Mesh", type=bpy.types.Object, poll=_is_mesh)
+
+
+class MOULAGE_PG_joint_result(bpy.types.PropertyGroup):
+    """How a joint of the person stands to its limits."""
+
+    name: StringProperty()
+    usage: FloatProperty(description="Share of the allowed rotation that is used; 1: at the limit")
+    rotation: FloatProperty(description="Rotation from the neutral position", subtype="ANGLE")
+    excess: FloatProperty(description="Rotation beyond the limit", subtype="ANGLE")
+
+
+class MOULAGE_PG_registration(bpy.types.PropertyGroup):
+    """What the run that made a person's skeleton said; lengths in the scene's units."""
+
+    ending: StringProperty()
+    warnings: StringProperty()
+    mean_residual: FloatProperty(default=-1.0)
+    max_residual: FloatProperty(default=-1.0)
+    iterations: IntProperty()
+    seconds: FloatProperty()
+    joints: CollectionProperty(type=MOULAGE_PG_joint_result)
+    active_joint: IntProperty()
+
+
+class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
+    """A skeleton: what it is registered to, and what came out."""
+
+    uid: StringProperty(description="Stays the same when the object is renamed")
+    loops: CollectionProperty(type=MOULAGE_PG_loop)
+    carried: CollectionProperty(type=MOULAGE_PG_soft)
+    active_carried: IntProperty()
+
+    target_kind: EnumProperty(
+        name="To", items=[
+            ("SURFACE", "Surface", "One surface of all the person's bones, which may be fused"),
+            ("BONES", "Bones", "A collection with a surface per bone, named as the bone; other bones follow their joints"),
+            ("LABELS", "Label map", "A segmentation of the person's bones"),
+            ("IMAGE", "Image", "A CT or MRI near which the skeleton lies, by what the same kind of image shows around it"),
+        ],
+    )
+    target: PointerProperty(
+        name="Surface", description="The surface of all the person's bones", type=bpy.types.Object, poll=_is_mesh
+    )
+    target_bones: PointerProperty(
+        name="Bones", description="The person's bones, named as the skeleton's", type=bpy.types.Collection
+    )
+    label_map: StringProperty(name="Label map", description="File of the segmentation", subtype="FILE_PATH")
+    label: IntProperty(
+        name="Label", description="The label of all bones together; 0: the only one, or each bone's own", min=0
+    )
+    image: StringProperty(name="Person", description="File of the person's image", subtype="FILE_PATH")
+    reference: StringProperty(
+        name="Template", description="File of an image of the same kind, in which the skeleton lies on the bones",
+        subtype="FILE_PATH",
+    )
+    near: BoolProperty(
+        name="Already in place", description="The skeleton lies near the person's bones: do not turn it"
+    )
+    max_iterations: IntProperty(name="Iterations", description="At most so many per level; 0: the usual number", min=0)
+    live: BoolProperty(name="Live view", description="Show the bones while they are being found", default=True)
+    keep: BoolProperty(
+        name="Keep earlier results", description="Each run makes a person of its own instead of replacing the last"
+    )
+
+    person: PointerProperty(name="Person", type=bpy.types.Object)
+    result: PointerProperty(type=MOULAGE_PG_registration)
+    pose: PointerProperty(description="The action that holds the pose of the scan", type=bpy.types.Action)
+    motion: PointerProperty(description="The template's motion for this person", type=bpy.types.Action)
+
+
+classes = (
+    MOULAGE_PG_joint, MOULAGE_PG_loop, MOULAGE_PG_soft, MOULAGE_PG_joint_result, MOULAGE_PG_registration,
+    MOULAGE_PG_skeleton,
+)
+
+
+def register():
+    bpy.types.Object.moulage_skeleton = PointerProperty(type=MOULAGE_PG_skeleton)
+    bpy.types.PoseBone.moulage = PointerProperty(type=MOULAGE_PG_joint)
+
+
+def unregister():
+    del bpy.types.PoseBone.moulage
+    del bpy.types.Object.moulage_skeleton
+
+
+def skeleton_of(context):
+    """The scene's skeleton, or None; also for one that was deleted but is still in the file."""
+    ob = context.scene.moulage.skeleton
+    return ob if ob is not None and ob.name in context.scene.objects else None
