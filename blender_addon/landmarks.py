@@ -38,6 +38,27 @@ def free_name(template, wish=""):
     return f"{wish}.{number:03d}" if wish else str(number)
 
 
+def flipped(name):
+    """The name of the same place on the other side (hip.L and hip.R, left_hip and right_hip), or None."""
+    other = bpy.utils.flip_name(name)
+    return other if other != name else None
+
+
+def mirror(context, template, surface):
+    """For each landmark with a side, its partner on the other side of the template's own x = 0, where there is
+    none; on the surface, at the place nearest to the mirrored one. Returns their names. `surface`: the places
+    nearest to world points at rest."""
+    own = template.matrix_world
+    there = {landmark.name for landmark in template.moulage.landmarks}
+    wanted = [
+        (flipped(l.name), own.inverted_safe() @ l.template.matrix_world.translation)
+        for l in template.moulage.landmarks if l.template is not None and flipped(l.name) not in {None, *there}
+    ]
+    for name, place in wanted:
+        add(context, template, name, template_point=surface(own @ mathutils.Vector((-place.x, place.y, place.z))))
+    return [name for name, _ in wanted]
+
+
 def _empty(context, template, name, shape):
     size = numpy.ptp(mesh_data.world_points(template), axis=0)
     empty = bpy.data.objects.new(name, None)

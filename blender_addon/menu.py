@@ -17,6 +17,8 @@ class MOULAGE_MT_object(bpy.types.Menu):
         layout.operator("moulage.pick_landmarks", text="Click Landmark Pairs")
         layout.operator_menu_enum("moulage.look_at_slice", "view")
         layout.operator("moulage.click_markers")
+        layout.operator("moulage.markers_from_label")
+        layout.operator("moulage.mirror_landmarks", text="Mirror Landmark Names")
         layout.operator("moulage.place_template")
         layout.operator("moulage.add_attachment")
         layout.operator("moulage.add_carried")

@@ -6,6 +6,7 @@ import textwrap
 import bpy
 
 from . import landmarks, library, properties, runs, scan, units
+from .library import Wrong
 
 
 class Panel:
@@ -14,7 +15,7 @@ class Panel:
     bl_category = "Moulage"
 
 
-class _NeedsTemplate(Panel):
+class NeedsTemplate(Panel):
     @classmethod
     def poll(cls, context):
         return properties.template_of(context) is not None
@@ -95,6 +96,30 @@ class MOULAGE_PT_scan(Panel, bpy.types.Panel):
         layout.operator("moulage.click_markers", icon="EYEDROPPER")
 
 
+class MOULAGE_PT_labels(NeedsTemplate, bpy.types.Panel):
+    bl_label = "Markers from a Label Map"
+    bl_parent_id = "MOULAGE_PT_scan"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.moulage
+        layout.prop(settings, "label_map", text="")
+        column = layout.column()
+        column.enabled = bool(settings.label_map)
+        column.prop(settings, "label", text="")
+        column.row(align=True).prop(settings, "label_planes")
+        row = column.row(align=True)
+        row.prop(settings, "label_every")
+        row.prop(settings, "label_spacing")
+        if settings.label_map:
+            try:
+                scan.label_map(context.scene)
+            except Wrong as wrong:
+                write(layout, context, str(wrong), "ERROR")
+        layout.operator("moulage.markers_from_label", icon="OUTLINER_OB_POINTCLOUD")
+
+
 class MOULAGE_UL_landmarks(bpy.types.UIList):
     def draw_item(self, context, layout, _data, item, _icon, _active, _property):
         row = layout.row(align=True)
@@ -108,7 +133,7 @@ class MOULAGE_UL_landmarks(bpy.types.UIList):
             figure.label(text=units.text(context.scene, item.residual))
 
 
-class MOULAGE_PT_markers(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_markers(NeedsTemplate, bpy.types.Panel):
     bl_label = "Markers"
 
     def draw(self, context):
@@ -124,7 +149,7 @@ class MOULAGE_PT_markers(_NeedsTemplate, bpy.types.Panel):
         layout.prop(data, "show_markers")
 
 
-class MOULAGE_PT_landmarks(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_landmarks(NeedsTemplate, bpy.types.Panel):
     bl_label = "Landmarks"
 
     def draw(self, context):
@@ -144,6 +169,8 @@ class MOULAGE_PT_landmarks(_NeedsTemplate, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("moulage.import_landmarks", text="Import", icon="IMPORT")
         row.operator("moulage.export_landmarks", text="Export", icon="EXPORT")
+        if any(landmarks.flipped(item.name) for item in data.landmarks):
+            layout.operator("moulage.mirror_landmarks", icon="MOD_MIRROR")
         row = layout.row(align=True)
         row.operator("moulage.place_template", text="Place", icon="ORIENTATION_GLOBAL").scale = False
         row.operator("moulage.place_template", text="Place and Scale").scale = True
@@ -152,7 +179,7 @@ class MOULAGE_PT_landmarks(_NeedsTemplate, bpy.types.Panel):
             write(layout, context, f"Click {missing} more pair{'s' if missing > 1 else ''}, or add markers.", "INFO")
 
 
-class MOULAGE_PT_attachments(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_attachments(NeedsTemplate, bpy.types.Panel):
     bl_label = "Attachments and Fixed Parts"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -180,7 +207,7 @@ class MOULAGE_PT_attachments(_NeedsTemplate, bpy.types.Panel):
         layout.prop_search(data, "fixed_group", template, "vertex_groups")
 
 
-class MOULAGE_PT_reshape(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_reshape(NeedsTemplate, bpy.types.Panel):
     bl_label = "Reshape"
 
     def draw(self, context):
@@ -217,7 +244,7 @@ def draw_run(context, layout):
     row.operator("moulage.stop", icon="CANCEL", text="Stop and Keep the Best")
 
 
-class MOULAGE_PT_tets(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_tets(NeedsTemplate, bpy.types.Panel):
     bl_label = "Tets and Settings"
     bl_parent_id = "MOULAGE_PT_reshape"
     bl_options = {"DEFAULT_CLOSED"}
@@ -241,7 +268,7 @@ class MOULAGE_PT_tets(_NeedsTemplate, bpy.types.Panel):
             column.prop(data, name)
 
 
-class MOULAGE_PT_carried(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_carried(NeedsTemplate, bpy.types.Panel):
     bl_label = "Carried Meshes"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -261,7 +288,7 @@ class MOULAGE_UL_carried(bpy.types.UIList):
         layout.prop(item, "object", text="", emboss=False)
 
 
-class MOULAGE_PT_result(_NeedsTemplate, bpy.types.Panel):
+class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
     bl_label = "Result"
 
     def draw(self, context):
@@ -296,6 +323,6 @@ class MOULAGE_PT_result(_NeedsTemplate, bpy.types.Panel):
 
 
 classes = (
-    MOULAGE_UL_landmarks, MOULAGE_UL_carried, MOULAGE_PT_template, MOULAGE_PT_scan, MOULAGE_PT_markers, MOULAGE_PT_landmarks,
+    MOULAGE_UL_landmarks, MOULAGE_UL_carried, MOULAGE_PT_template, MOULAGE_PT_scan, MOULAGE_PT_labels, MOULAGE_PT_markers, MOULAGE_PT_landmarks,
     MOULAGE_PT_attachments, MOULAGE_PT_carried, MOULAGE_PT_reshape, MOULAGE_PT_tets, MOULAGE_PT_result,
 )

@@ -170,6 +170,19 @@ def _draw_slice(view):
     return update
 
 
+_label_items = []
+
+
+def _labels_of_map(_self, context):
+    """The labels of the map in the Scan panel. Blender does not keep the texts: they are kept here."""
+    try:
+        labels = scan.label_map(context.scene)[1]
+    except Wrong:
+        labels = []
+    _label_items[:] = [(str(n), f"Label {n}", "") for n in labels] or [("0", "No labels", "Choose a label map")]
+    return _label_items
+
+
 def _slider(view):
     return FloatProperty(name=f"{view.capitalize()} (mm)", step=100, precision=1, update=_draw_slice(view))
 
@@ -192,6 +205,21 @@ class MOULAGE_PG_scene(bpy.types.PropertyGroup):
     window_level: FloatProperty(name="Level", description="The value in the middle", default=40, update=_draw_slice(""))
     scan_opacity: FloatProperty(
         name="Opacity", subtype="FACTOR", default=1.0, min=0.0, max=1.0, update=_draw_slice("")
+    )
+    label_map: StringProperty(
+        name="Label map", description="File of a segmentation of the scan: TotalSegmentator, 3D Slicer and others",
+        subtype="FILE_PATH",
+    )
+    label: EnumProperty(name="Label", description="Which organ of the label map", items=_labels_of_map)
+    label_every: FloatProperty(
+        name="Slices (mm)", description="Millimetres between the slices that are marked", default=9.0, min=0.1
+    )
+    label_spacing: FloatProperty(
+        name="Markers (mm)", description="Millimetres between markers along an outline", default=8.0, min=0.1
+    )
+    label_planes: EnumProperty(
+        name="Planes", options={"ENUM_FLAG"}, default={"AXIAL"},
+        items=[(view, view.capitalize(), f"Mark {view.lower()} slices") for view in scan.AXES],
     )
     show_contour: BoolProperty(
         name="Outline of the template", description="Draw on the slices where they cut the template as it is shown",

@@ -22,6 +22,8 @@ PRESETS = {
 
 # The volume read last: its file's path and time, itself, and its info.
 _loaded = {}
+# The label map read last, in the same way.
+_labels = {}
 # Where each slice's empty was when it was drawn, by the empty's name.
 _drawn = {}
 
@@ -52,8 +54,22 @@ def volume(scene):
     return _loaded["volume"], _loaded["info"]
 
 
+def label_map(scene):
+    """The label map of the panel and its labels, read once; Wrong if it cannot be."""
+    path = bpy.path.abspath(scene.moulage.label_map)
+    if not path or not os.path.exists(path):
+        raise Wrong("Choose the file of the label map first." if not path else f"There is no {path}.")
+    stamp = (path, os.path.getmtime(path))
+    if _labels.get("stamp") != stamp:
+        with calls() as package:
+            read = package.Volume(path)
+            _labels.update(stamp=stamp, volume=read, labels=read.labels)
+    return _labels["volume"], _labels["labels"]
+
+
 def forget():
     _loaded.clear()
+    _labels.clear()
     _drawn.clear()
 
 

@@ -4,9 +4,10 @@
 import bpy
 import mathutils
 import numpy
+from mathutils.bvhtree import BVHTree
 
 from .. import landmarks, markers, problem, properties, units
-from ..library import calls
+from ..library import Wrong, calls
 from .base import NeedsTemplate, poll_template, tells
 
 
@@ -48,6 +49,26 @@ class MOULAGE_OT_remove_landmark(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class MOULAGE_OT_mirror_landmarks(NeedsTemplate, bpy.types.Operator):
+    """Make the partners of landmarks that are named with a side, such as hip.L, on the template's other side; then
+    click their places on the person"""
+
+    bl_idname = "moulage.mirror_landmarks"
+    bl_label = "Mirror Names (.L / .R)"
+
+    @tells
+    def execute(self, context):
+        template = properties.template_of(context)
+        context.view_layer.update()
+        inputs = problem.gather_shape(context, template)
+        tree = BVHTree.FromPolygons(inputs.points.tolist(), inputs.triangles.tolist())
+        made = landmarks.mirror(context, template, lambda place: tree.find_nearest(place)[0])
+        if not made:
+            raise Wrong("No landmark waits for its partner: name them with a side, such as hip.L.")
+        self.report({"INFO"}, f"Made {', '.join(made)}.")
+        return {"FINISHED"}
+
+
 class MOULAGE_OT_place_template(bpy.types.Operator):
     """Turn and move the template to where the person is: by three or more landmarks, else by the markers"""
 
@@ -85,4 +106,4 @@ class MOULAGE_OT_place_template(bpy.types.Operator):
         return {"FINISHED"}
 
 
-classes = (MOULAGE_OT_add_landmark, MOULAGE_OT_remove_landmark, MOULAGE_OT_place_template)
+classes = (MOULAGE_OT_add_landmark, MOULAGE_OT_remove_landmark, MOULAGE_OT_mirror_landmarks, MOULAGE_OT_place_template)

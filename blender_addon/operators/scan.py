@@ -4,13 +4,13 @@
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from .. import scan
-from ..library import Wrong
-from .base import tells
+from .. import markers, properties, scan
+from ..library import Wrong, calls
+from .base import dropped_or_chosen, poll_template, tells
 
 
 class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
-    """Load an image volume: NIfTI, NRRD, MetaImage, or any one file of a DICOM series"""
+    """Load an image volume: NIfTI, NRRD, MetaImage, or DICOM: a folder with one series, or any one file of a series"""
 
     bl_idname = "moulage.load_scan"
     bl_label = "Load Scan"
@@ -18,12 +18,18 @@ class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
 
     filename_ext = ""
     filter_glob: bpy.props.StringProperty(default="*.nii;*.gz;*.nrrd;*.nhdr;*.mha;*.mhd;*.dcm;*.ima;*", options={"HIDDEN"})
+    files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
+    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
+
+    def invoke(self, context, event):
+        dropped = any(f.name for f in self.files)
+        return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
 
     @tells
     def execute(self, context):
         settings = context.scene.moulage
         before = settings.scan
-        settings.scan = self.filepath
+        settings.scan = str(dropped_or_chosen(self)[0])
         try:
             read, info = scan.volume(context.scene)
             settings.window_width, settings.window_level = (float(v) for v in info["window"])
@@ -33,6 +39,41 @@ class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
             raise
         size = " x ".join(str(n) for n in info["size"])
         self.report({"INFO"}, " ".join([f"{size} voxels read.", *read.notes]))
+        return {"FINISHED"}
+
+
+class MOULAGE_OT_markers_from_label(bpy.types.Operator):
+    """Put markers on the outlines of a label of the map, as a person would click them on slices; they replace the
+    template's marker object"""
+
+    bl_idname = "moulage.markers_from_label"
+    bl_label = "Markers from Label"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.moulage.label_map:
+            cls.poll_message_set("Choose a label map first")
+            return False
+        return poll_template(cls, context)
+
+    @tells
+    def execute(self, context):
+        settings = context.scene.moulage
+        volume, labels = scan.label_map(context.scene)
+        if not labels:
+            raise Wrong("The label map is empty: it has no label above 0.")
+        if not settings.label_planes:
+            raise Wrong("Choose at least one kind of slice.")
+        axes = [scan.AXES[view] for view in scan.AXES if view in settings.label_planes]
+        with calls():
+            found = volume.label_markers(
+                int(settings.label), axes, every=settings.label_every, spacing=settings.label_spacing
+            )
+        positions = found.points * scan.unit(context.scene)
+        made = markers.add_object(context, f"Label {settings.label}", positions)
+        properties.template_of(context).moulage.markers = made
+        self.report({"INFO"}, f"{len(positions)} markers on the outlines of label {settings.label}.")
         return {"FINISHED"}
 
 
@@ -79,4 +120,20 @@ class MOULAGE_OT_look_at_slice(bpy.types.Operator):
         return {"FINISHED"}
 
 
-classes = (MOULAGE_OT_load_scan, MOULAGE_OT_scan_window, MOULAGE_OT_look_at_slice)
+classes = (MOULAGE_OT_load_scan, MOULAGE_OT_markers_from_label, MOULAGE_OT_scan_window, MOULAGE_OT_look_at_slice)
+
+if bpy.app.version >= (4, 1, 0):
+
+    class MOULAGE_FH_scan(bpy.types.FileHandler):
+        """Images can be dropped into the 3D view."""
+
+        bl_idname = "MOULAGE_FH_scan"
+        bl_label = "Moulage scan"
+        bl_import_operator = "moulage.load_scan"
+        bl_file_extensions = ".nii;.gz;.nrrd;.nhdr;.mha;.mhd;.dcm;.ima"
+
+        @classmethod
+        def poll_drop(cls, context):
+            return context.area is not None and context.area.type == "VIEW_3D"
+
+    classes += (MOULAGE_FH_scan,)

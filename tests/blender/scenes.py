@@ -82,14 +82,19 @@ def egg(points):
     return numpy.stack([1.3 * x + 0.1, y + 0.15 * x * x, 0.8 * z + 0.25 * x * x], axis=1)
 
 
-def write_egg_scan(path):
-    """An image of 2 mm around the origin at 0.1 mm: 1000 inside the egg, 0 outside."""
+def egg_image():
+    """2 mm around the origin at 0.1 mm (z, y, x): 1000 inside the egg, 0 outside."""
     grid = numpy.linspace(-2, 2, 41)
     z, y, x = numpy.meshgrid(grid, grid, grid, indexing="ij")
     # Back from the egg to the ball.
     bx = (x - 0.1) / 1.3
     by, bz = y - 0.15 * bx * bx, (z - 0.25 * bx * bx) / 0.8
-    values = numpy.where(bx**2 + by**2 + bz**2 < 1, 1000, 0).astype("<i2")
+    return numpy.where(bx**2 + by**2 + bz**2 < 1, 1000, 0).astype("<i2")
+
+
+def write_egg_scan(path, values=None):
+    """The egg as NRRD."""
+    values = egg_image() if values is None else values.astype("<i2")
     head = (
         "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 41 41 41\n"
         "space directions: (0.1,0,0) (0,0.1,0) (0,0,0.1)\nspace origin: (-2,-2,-2)\nencoding: raw\n"
@@ -97,6 +102,31 @@ def write_egg_scan(path):
     )
     path.write_bytes(head.encode() + values.tobytes())
     return path
+
+
+def write_egg_dicom(folder):
+    """The egg as a series of DICOM files in no order of their names, in the frame LPS."""
+    for k, slice_ in enumerate(egg_image()):
+        # Rows go to the back, columns to the left.
+        pixels = numpy.ascontiguousarray(slice_[::-1, ::-1])
+        file = b"\0" * 128 + b"DICM"
+        meta = _dicom_element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1")
+        file += _dicom_element(2, 0, b"UL", len(meta).to_bytes(4, "little")) + meta
+        short = {(0x28, 2): 1, (0x28, 0x10): 41, (0x28, 0x11): 41, (0x28, 0x100): 16, (0x28, 0x101): 16, (0x28, 0x102): 15,
+                 (0x28, 0x103): 1}
+        entries = [(0x20, 0x0E, b"UI", b"1.2.3"), (0x20, 0x32, b"DS", f"-2\\-2\\{-2 + 0.1 * k:.4f}".encode()),
+                   (0x20, 0x37, b"DS", b"1\\0\\0\\0\\1\\0"), (0x28, 4, b"CS", b"MONOCHROME2"), (0x28, 0x30, b"DS", b"0.1\\0.1")]
+        entries += [(*tag, b"US", value.to_bytes(2, "little")) for tag, value in short.items()]
+        for entry in sorted(entries):
+            file += _dicom_element(*entry)
+        file += _dicom_element(0x7FE0, 0x10, b"OW", pixels.tobytes())
+        (folder / f"{(k * 17) % 41:03d}").write_bytes(file)
+
+
+def _dicom_element(group, number, kind, value):
+    value += (b"\0" if kind == b"UI" else b" ") * (len(value) % 2)
+    length = b"\0\0" + len(value).to_bytes(4, "little") if kind == b"OW" else len(value).to_bytes(2, "little")
+    return group.to_bytes(2, "little") + number.to_bytes(2, "little") + kind + length + value
 
 
 def ball_and_markers(subdivisions=3, tet_count=600, iterations=6):

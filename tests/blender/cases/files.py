@@ -86,3 +86,22 @@ class Landmarks(unittest.TestCase):
         points, targets, _ = part("landmarks").pairs(template)
         numpy.testing.assert_allclose(points, [(1, 0, 3)], atol=1e-6)
         numpy.testing.assert_allclose(targets, [(2, 0, 0)], atol=1e-6)
+
+    def test_names_with_a_side_are_mirrored_onto_the_template(self):
+        template = scenes.ball_and_markers()
+        template.location = (5, 0, 0)
+        bpy.context.view_layer.update()
+        for name, place in (("hip.L", (0.6, 0.8, 0)), ("top", (0, 0, 1)), ("left_knee", (0.8, 0, -0.6))):
+            target = Vector(place) + Vector((7, 0, 0))
+            bpy.ops.moulage.add_landmark(name=name, template_point=Vector(place) + Vector((5, 0, 0)), target=target)
+        bpy.ops.moulage.mirror_landmarks()
+        found = {l.name: l for l in template.moulage.landmarks}
+        self.assertEqual(list(found), ["hip.L", "top", "left_knee", "hip.R", "right_knee"])
+        bpy.context.view_layer.update()
+        place = found["hip.R"].template.matrix_world.translation
+        self.assertLess((place - Vector((4.4, 0.8, 0))).length, 0.03)
+        self.assertAlmostEqual((place - Vector((5, 0, 0))).length, 1.0, delta=0.02)
+        # They wait for their places on the person, one after the other.
+        self.assertEqual(part("landmarks").incomplete(template).name, "hip.R")
+        with self.assertRaisesRegex(RuntimeError, "waits for its partner"):
+            bpy.ops.moulage.mirror_landmarks()

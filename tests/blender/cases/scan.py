@@ -9,7 +9,7 @@ import numpy
 from mathutils import Vector
 
 import scenes
-from scenes import part
+from scenes import part, shape_of
 
 
 class Scan(unittest.TestCase):
@@ -66,6 +66,59 @@ class Scan(unittest.TestCase):
         out = empty.matrix_world @ Vector((1.6, 0, 0))
         self.assertGreater(self.brightness("OBLIQUE", (0, 0, 0)), 0.8)
         self.assertLess(self.brightness("OBLIQUE", out), 0.2)
+
+    def test_a_folder_of_dicom_slices_and_one_of_its_files_are_the_same_scan(self):
+        folder = Path(self.folder.name) / "series"
+        folder.mkdir()
+        scenes.write_egg_dicom(folder)
+        for path in (folder, folder / "000"):
+            with self.subTest(path=path):
+                bpy.ops.moulage.load_scan(filepath=str(path))
+                self.settings.axial = 0.0
+                self.assertGreater(self.brightness("AXIAL", (1.3, 0, 0)), 0.8)
+                self.assertLess(self.brightness("AXIAL", (-1.5, 0, 0)), 0.2)
+                self.assertGreater(self.brightness("CORONAL", (1.0, 0, 0.6)), 0.8)
+
+    def test_a_file_that_is_dropped_is_loaded(self):
+        self.settings.scan = ""
+        bpy.ops.moulage.load_scan(directory=self.folder.name, files=[{"name": "egg.nrrd"}])
+        self.assertEqual(self.settings.scan, str(self.path))
+        if bpy.app.version >= (4, 1, 0):
+            handlers = {cls.bl_idname: cls for cls in bpy.types.FileHandler.__subclasses__()}
+            for name, ending in (("scan", ".nii"), ("skeleton", ".json"), ("markers", ".fcsv")):
+                handler = handlers[f"MOULAGE_FH_{name}"]
+                self.assertIn(ending, handler.bl_file_extensions.split(";"))
+                category, operator = handler.bl_import_operator.split(".")
+                self.assertTrue(hasattr(getattr(bpy.ops, category), operator))
+
+    def test_a_label_map_becomes_markers(self):
+        labels = (scenes.egg_image() > 0) * 5
+        scenes.write_egg_scan(Path(self.folder.name) / "labels.nrrd", labels)
+        with self.assertRaisesRegex(RuntimeError, "poll"):
+            bpy.ops.moulage.markers_from_label()
+        self.settings.label_map = str(Path(self.folder.name) / "labels.nrrd")
+        self.assertEqual(self.settings.label, "5")
+        self.settings.label_every, self.settings.label_spacing = 0.4, 0.2
+        bpy.ops.moulage.markers_from_label()
+        axial = part("markers").points(self.template)
+        self.settings.label_planes = {"AXIAL", "SAGITTAL"}
+        bpy.ops.moulage.markers_from_label()
+        both = part("markers").points(self.template)
+        self.assertGreater(len(both), 1.5 * len(axial))
+        x, y, z = both.T
+        bx = (x - 0.1) / 1.3
+        radius = numpy.sqrt(bx**2 + (y - 0.15 * bx**2) ** 2 + ((z - 0.25 * bx**2) / 0.8) ** 2)
+        numpy.testing.assert_allclose(radius, 1.0, atol=0.15)
+        self.template.moulage.method, self.template.moulage.tet_count = "lattice", 600
+        self.assertEqual(bpy.ops.moulage.reshape(), {"FINISHED"})
+        self.assertGreater(numpy.ptp(shape_of(self.template), axis=0)[0], 2.4)
+
+    def test_an_image_that_is_no_label_map_is_refused(self):
+        path = Path(self.folder.name) / "noise.nrrd"
+        scenes.write_egg_scan(path, numpy.arange(41**3).reshape(41, 41, 41) % 9000 - 500)
+        self.settings.label_map = str(path)
+        with self.assertRaisesRegex(RuntimeError, "no label map"):
+            bpy.ops.moulage.markers_from_label()
 
     def test_window_presets_change_the_picture(self):
         self.settings.axial = 0.0
