@@ -7,7 +7,7 @@ use moulage::fem::{
 use moulage::material::StableNeoHookean;
 use moulage::math::{Sym3, Vec3};
 use moulage::mesh::TetMesh;
-use moulage::reshape::{Linearization, Rows};
+use moulage::reshape::{Linearization, NormalEquations, Rows};
 use moulage::solve::Factor;
 use nalgebra::{DMatrix, DVector};
 
@@ -49,13 +49,17 @@ struct Setup {
 
 impl Setup {
     fn new(space: StrainSpace) -> Self {
+        Self::held_at(space, &[0, 2, 6, 8, 13])
+    }
+
+    fn held_at(space: StrainSpace, held: &[u32]) -> Self {
         let mesh = block();
         let hold = |v: u32| Spring {
             point: MaterialPoint(vec![(v, 1.0)]),
             target: mesh.points[v as usize] + Vec3::new(0.05, 0.02, 0.1) * f64::from(v % 3),
             stiffness: 3.0,
         };
-        let springs = [0, 2, 6, 8, 13].map(hold).to_vec();
+        let springs = held.iter().map(|&v| hold(v)).collect();
         let carriers = space.carriers(mesh.points.len(), mesh.tets.len());
         let wave = |c: usize, p: usize| 0.1 * ((3 * c + 5 * p + 1) as f64).sin();
         let s: Vec<Sym3> = (0..carriers)
@@ -66,7 +70,7 @@ impl Setup {
         let options = moulage::fem::EquilibriumOptions { tolerance: 1e-11, max_steps: 50 };
         let x = body.equilibrate(body.mesh.points.clone(), &plastic, &options).unwrap().x;
         let mut rows = Rows::default();
-        for v in [18_u32, 20, 22, 24, 26] {
+        for v in 18_u32..27 {
             let point = MaterialPoint(vec![(v, 0.7), (v - 9, 0.3)]);
             let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
             let residual = |d: &Vec3| 0.1 * (f64::from(v) + d.y).cos();
@@ -98,12 +102,13 @@ impl Setup {
         })
     }
 
-    /// The minimiser by the assembled Hessian R + Z^T Z.
+    /// The minimiser by the assembled Hessian (1 + damping) R + Z^T Z.
     fn dense(
         &self,
         at: &Linearization<'_, StableNeoHookean>,
         prior: &StrainSmoothness,
         anchor: &[Sym3],
+        damping: f64,
     ) -> Vec<Sym3> {
         let n = 6 * self.s.len();
         let unit = |k: usize| {
@@ -134,7 +139,7 @@ impl Setup {
             self.rows.rows.iter().map(|row| row.weight.sqrt() * row.residual),
         );
         let gradient = &r * offset + z.transpose() * residual;
-        let ds = (r + z.transpose() * &z).lu().solve(&-gradient).unwrap();
+        let ds = (r * (1.0 + damping) + z.transpose() * &z).lu().solve(&-gradient).unwrap();
         ds.as_slice().chunks_exact(6).map(Sym3::from_column_slice).collect()
     }
 }
@@ -151,9 +156,41 @@ fn dual_equals_dense_hessian_screened_and_free() {
     for screening in [None, Some(0.7)] {
         let prior = setup.smoothness(screening);
         setup.with(|at| {
-            let found = at.direction(&setup.rows, &prior, &setup.s, &anchor).unwrap();
-            assert!(relative(&found.ds, &setup.dense(at, &prior, &anchor)) < 1e-8, "{screening:?}");
+            let equations = NormalEquations::new(at, &setup.rows, None, &prior);
+            for damping in [0.0, 3.0] {
+                let found = equations.direction(&setup.s, &anchor, damping).unwrap();
+                let dense = setup.dense(at, &prior, &anchor, damping);
+                assert!(relative(&found.ds, &dense) < 1e-8, "{screening:?}, {damping}");
+            }
         });
+    }
+}
+
+#[test]
+fn conjugate_gradients_over_representatives_equal_the_dual() {
+    for held in [&[0, 2, 6, 8, 13][..], &[]] {
+        let setup = Setup::held_at(StrainSpace::NODAL_LOGARITHM, held);
+        let anchor = vec![Sym3::new(0.1, 0.0, 0.02, 0.0, 0.0, -0.1); setup.s.len()];
+        // Five of the nine points, counted double.
+        let mut few = Rows::default();
+        for (point, rows) in setup.rows.points.iter().zip(setup.rows.rows.chunks(3)).step_by(2) {
+            few.add(point.clone(), rows.iter().map(|r| (r.direction, r.residual, 2.0 * r.weight)));
+        }
+        for (screening, damping) in [(None, 0.0), (Some(0.7), 0.0), (Some(0.7), 3.0)] {
+            let prior = setup.smoothness(screening);
+            setup.with(|at| {
+                let direct = NormalEquations::new(at, &setup.rows, None, &prior);
+                let iterated = NormalEquations::new(at, &setup.rows, Some(&few), &prior);
+                let direct = direct.direction(&setup.s, &anchor, damping).unwrap();
+                let iterated = iterated.direction(&setup.s, &anchor, damping).unwrap();
+                let error = relative(&iterated.ds, &direct.ds);
+                assert!(error < 1e-6, "{held:?}, {screening:?}, {damping}: {error:e}");
+                assert_eq!(direct.rigid.is_some(), held.is_empty());
+                if let (Some(a), Some(b)) = (direct.rigid, iterated.rigid) {
+                    assert!((a - b).norm() < 1e-5 * a.norm(), "{a} {b}");
+                }
+            });
+        }
     }
 }
 
@@ -163,8 +200,9 @@ fn published_woodbury_equals_dual_and_dense_hessian() {
     let anchor = vec![StrainSpace::PAPER.from_logarithm(&Sym3::zeros()); setup.s.len()];
     let prior = setup.smoothness(None);
     setup.with(|at| {
-        let dense = setup.dense(at, &prior, &anchor);
-        let dual = at.direction(&setup.rows, &prior, &setup.s, &anchor).unwrap();
+        let dense = setup.dense(at, &prior, &anchor, 0.0);
+        let equations = NormalEquations::new(at, &setup.rows, None, &prior);
+        let dual = equations.direction(&setup.s, &anchor, 0.0).unwrap();
         let woodbury = at.woodbury_direction(&setup.rows, &prior, &setup.s, &anchor);
         assert!(relative(&dual.ds, &dense) < 1e-8);
         assert!(relative(&woodbury.ds, &dense) < 1e-6);

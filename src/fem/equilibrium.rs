@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::body::Body;
+use super::element::Curvature;
 use super::plastic::PlasticState;
 use crate::error::Result;
 use crate::material::IsotropicDensity;
@@ -23,7 +24,7 @@ pub struct EquilibriumOptions {
 pub enum Outcome {
     /// The residual is below the tolerance.
     Converged,
-    /// The steps ran out or no step lowered the energy.
+    /// The steps ran out, no step lowered the energy, or the shape was hopeless.
     Stalled,
 }
 
@@ -37,6 +38,11 @@ pub struct Equilibrium {
     pub steps: usize,
 }
 
+/// Conjugate gradients end when the residual, measured by the preconditioner, has fallen to this share,
+/// and give up after so many steps.
+const CG_REDUCTION: f64 = 0.02;
+const CG_STEPS: usize = 20;
+
 /// Line-search halvings before a Newton step is given up.
 const MAX_HALVINGS: usize = 25;
 
@@ -47,9 +53,34 @@ impl<M: IsotropicDensity> Body<M> {
     /// Minimises the energy from the shape `x`.
     pub fn equilibrate(
         &self,
+        x: Vec<Vec3>,
+        plastic: &[PlasticState],
+        options: &EquilibriumOptions,
+    ) -> Result<Equilibrium> {
+        self.newton(x, plastic, options, None, &|_| false)
+    }
+
+    /// The same where the stiffness of a state near by is factored already: it preconditions
+    /// conjugate gradients, which need no factor of their own. Stalls when after a step the shape is
+    /// `hopeless`.
+    pub fn equilibrate_near(
+        &self,
+        x: Vec<Vec3>,
+        plastic: &[PlasticState],
+        options: &EquilibriumOptions,
+        near: &Factor,
+        hopeless: &dyn Fn(&[Vec3]) -> bool,
+    ) -> Result<Equilibrium> {
+        self.newton(x, plastic, options, Some(near), hopeless)
+    }
+
+    fn newton(
+        &self,
         mut x: Vec<Vec3>,
         plastic: &[PlasticState],
         options: &EquilibriumOptions,
+        near: Option<&Factor>,
+        hopeless: &dyn Fn(&[Vec3]) -> bool,
     ) -> Result<Equilibrium> {
         let mut energy = self.energy(&x, plastic);
         let mut gradient = self.gradient(&x, plastic);
@@ -58,10 +89,10 @@ impl<M: IsotropicDensity> Body<M> {
             if residual < options.tolerance {
                 return Ok(Equilibrium { x, outcome: Outcome::Converged, steps });
             }
-            if steps == options.max_steps || !energy.is_finite() {
+            if steps == options.max_steps || !energy.is_finite() || (steps > 0 && hopeless(&x)) {
                 return Ok(Equilibrium { x, outcome: Outcome::Stalled, steps });
             }
-            let step = solve_vectors(&self.factor_stiffness(&x, plastic)?, &gradient);
+            let step = self.newton_step(&x, plastic, &gradient, near)?;
             let slope: f64 = -step.iter().zip(&gradient).map(|(s, g)| s.dot(g)).sum::<f64>();
             let Some((trial, trial_energy)) = self.armijo(&x, &step, plastic, energy, slope) else {
                 // At rounding level the energy no longer falls although the step is sound.
@@ -74,6 +105,25 @@ impl<M: IsotropicDensity> Body<M> {
             gradient = self.gradient(&x, plastic);
         }
         unreachable!("the last pass returns")
+    }
+
+    /// K^-1 g, or at least a direction of descent.
+    fn newton_step(
+        &self,
+        x: &[Vec3],
+        plastic: &[PlasticState],
+        gradient: &[Vec3],
+        near: Option<&Factor>,
+    ) -> Result<Vec<Vec3>> {
+        if let Some(near) = near {
+            let k = self.stiffness(x, plastic, Curvature::True);
+            let g: Vec<f64> = gradient.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+            let multiply = |p: &[f64]| self.pattern().multiply(&k, p);
+            if let Some(step) = conjugate_gradients(multiply, near, &g) {
+                return Ok(step.chunks_exact(3).map(Vector3::from_column_slice).collect());
+            }
+        }
+        Ok(solve_vectors(&self.factor_stiffness(x, plastic)?, gradient))
     }
 
     /// Halves the step until the energy falls enough.
@@ -111,4 +161,40 @@ fn subtract(x: &[Vec3], step: &[Vec3], eta: f64) -> Vec<Vec3> {
 
 fn largest(g: &[Vec3]) -> f64 {
     g.iter().map(Vec3::norm).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
+}
+
+/// Conjugate gradients on A x = b, preconditioned. Where A turns out indefinite, the sum so far,
+/// which still goes downhill; `None` when it takes too many steps.
+fn conjugate_gradients(
+    multiply: impl Fn(&[f64]) -> Vec<f64>,
+    preconditioner: &Factor,
+    b: &[f64],
+) -> Option<Vec<f64>> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (mut x, mut r) = (vec![0.0; b.len()], b.to_vec());
+    let mut z = r.clone();
+    preconditioner.solve(&mut z);
+    let mut p = z.clone();
+    let mut rz = dot(&r, &z);
+    let goal = CG_REDUCTION * CG_REDUCTION * rz;
+    for step in 0..CG_STEPS {
+        let ap = multiply(&p);
+        let curvature = dot(&p, &ap);
+        if curvature <= 0.0 {
+            return Some(if step == 0 { p } else { x });
+        }
+        let alpha = rz / curvature;
+        x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
+        r.iter_mut().zip(&ap).for_each(|(r, ap)| *r -= alpha * ap);
+        z.copy_from_slice(&r);
+        preconditioner.solve(&mut z);
+        let next = dot(&r, &z);
+        if next <= goal {
+            return Some(x);
+        }
+        let beta = next / rz;
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
+        rz = next;
+    }
+    None
 }

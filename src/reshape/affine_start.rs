@@ -7,12 +7,11 @@
 use nalgebra::{DMatrix, DVector, Rotation3, SVector};
 
 use crate::fem::rigid_modes;
-use crate::locate::ClosestPoints;
 use crate::math::symmetric3::{MULTIPLICITY, exp, exp_with_derivatives};
 use crate::math::{Mat3, Sym3, Vec3};
 
 use super::evidence::{Contact, Weights, rows};
-use super::gauss_newton::Rows;
+use super::rows::Rows;
 use super::scene::Scene;
 
 /// Iterations; correspondences settle well before.
@@ -33,7 +32,7 @@ pub struct AffineStart {
 }
 
 /// Fits strain and rigid motion.
-pub fn affine_start(scene: &Scene, tree: &mut ClosestPoints) -> AffineStart {
+pub fn affine_start(scene: &Scene) -> AffineStart {
     let rest = &scene.body.mesh.points;
     let (mut rotation, mut translation, mut s) = (Mat3::identity(), Vec3::zeros(), Sym3::zeros());
     let place = |rotation: &Mat3, translation: &Vec3, s: &Sym3| -> Vec<Vec3> {
@@ -42,7 +41,7 @@ pub fn affine_start(scene: &Scene, tree: &mut ClosestPoints) -> AffineStart {
     };
     for _ in 0..ITERATIONS {
         let x = place(&rotation, &translation, &s);
-        let contact = Contact::new(scene, tree, &x);
+        let contact = Contact::new(scene, &x);
         let data = rows(scene, &contact, &spread_weights(scene, &contact, &x), &x);
         let step = step(&data, &x, rest, &rotation, &s);
         s += step.fixed_rows::<6>(0);

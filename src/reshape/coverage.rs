@@ -16,6 +16,9 @@ const SAMPLES: usize = 300;
 /// The spacing of markers is the median distance to this neighbour.
 const NEIGHBOUR: usize = 4;
 
+/// So many of them are asked.
+const SPACING_SAMPLES: usize = 1000;
+
 /// Markers lie on slices when they have at most this many different coordinates per marker.
 const PLANES_PER_MARKER: f64 = 0.34;
 
@@ -111,7 +114,8 @@ fn spacing(markers: &[Vec3]) -> f64 {
         let place = NEIGHBOUR.min(distances.len() - 1);
         *distances.select_nth_unstable_by(place, f64::total_cmp).1
     };
-    super::evidence::median(&markers.iter().map(to_neighbour).collect::<Vec<_>>())
+    let every = markers.len().div_ceil(SPACING_SAMPLES);
+    super::evidence::median(&markers.iter().step_by(every).map(to_neighbour).collect::<Vec<_>>())
 }
 
 /// Points spread evenly over the surface: each next one is farthest from those before.

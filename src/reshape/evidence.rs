@@ -1,15 +1,19 @@
 //! What the data say about a shape: correspondences, weights, residual rows.
 
-use crate::locate::{ClosestPoints, SurfacePoint};
+use crate::locate::SurfacePoint;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
-use super::gauss_newton::Rows;
+use super::rows::Rows;
 use super::scene::{Pair, Scene};
 
-/// Weight of the two tangential directions of a marker beside its normal one. [W]'s point-to-point
-/// ties markers to wrong correspondences; none at all makes the iteration zig-zag.
+/// Weight of the two tangential directions of a marker beside its normal one. They are zero at the
+/// closest point and only hold the step back: [W]'s point-to-point ties markers to wrong
+/// correspondences; none at all makes the iteration zig-zag.
 const TANGENTIAL: f64 = 0.02;
+
+/// Near the surface, one marker of so many has tangential rows, for all of them.
+const HOLDING: usize = 3;
 
 /// Residuals beyond this many sigmas are taken for outliers.
 const OUTLIER: f64 = 3.0;
@@ -39,8 +43,9 @@ pub struct Contact {
 
 impl Contact {
     /// Finds the closest points of all markers on the surface of the shape `x`.
-    pub fn new(scene: &Scene, tree: &mut ClosestPoints, x: &[Vec3]) -> Self {
+    pub fn new(scene: &Scene, x: &[Vec3]) -> Self {
         let points = scene.embedding.apply(x);
+        let mut tree = scene.surface_tree.clone();
         tree.refit(&points);
         let positions: Vec<Vec3> = scene.markers.iter().map(|m| m.0).collect();
         let hits: Vec<SurfacePoint> = tree
@@ -130,15 +135,51 @@ fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64) -> Vec<f64> {
 /// All residual rows of a shape.
 pub fn rows(scene: &Scene, contact: &Contact, weights: &Weights, x: &[Vec3]) -> Rows {
     let mut rows = Rows::default();
-    for (((target, _), weight), (hit, normal)) in
-        scene.markers.iter().zip(&weights.markers).zip(contact.hits.iter().zip(&contact.normals))
-    {
-        let gap = hit.position - target;
-        let (t1, t2) = tangents(normal);
-        let directions = [(*normal, *weight), (t1, weight * TANGENTIAL), (t2, weight * TANGENTIAL)];
-        let point = scene.surface_point(hit.triangle, &hit.barycentric);
-        rows.add(point, directions.map(|(d, c)| (d, d.dot(&gap), c)));
+    for (i, &weight) in weights.markers.iter().enumerate() {
+        add_marker(&mut rows, scene, contact, i, weight, i % HOLDING == 0);
     }
+    add_others(&mut rows, scene, weights, x);
+    rows
+}
+
+/// Fewer rows that stand for them, where the markers are many.
+pub fn representatives(
+    scene: &Scene,
+    contact: &Contact,
+    weights: &Weights,
+    x: &[Vec3],
+) -> Option<Rows> {
+    let groups = scene.marker_groups.as_ref()?;
+    let mut rows = Rows::default();
+    for (i, group) in groups.iter().enumerate() {
+        let weight = group.members.iter().map(|&m| weights.markers[m as usize]).sum();
+        add_marker(&mut rows, scene, contact, group.middle as usize, weight, i % HOLDING == 0);
+    }
+    add_others(&mut rows, scene, weights, x);
+    Some(rows)
+}
+
+fn add_marker(
+    rows: &mut Rows,
+    scene: &Scene,
+    contact: &Contact,
+    marker: usize,
+    weight: f64,
+    holds: bool,
+) {
+    let (hit, normal) = (&contact.hits[marker], contact.normals[marker]);
+    let gap = hit.position - scene.markers[marker].0;
+    let (t1, t2) = tangents(&normal);
+    let far = hit.distance > OUTLIER * scene.marker_sigma;
+    let holding = weight * TANGENTIAL * if far { 1.0 } else { HOLDING as f64 };
+    let directions = [(normal, weight), (t1, holding), (t2, holding)];
+    let count = if holds || far { 3 } else { 1 };
+    let point = scene.surface_point(hit.triangle, &hit.barycentric);
+    rows.add(point, directions.into_iter().take(count).map(|(d, c)| (d, d.dot(&gap), c)));
+}
+
+/// Rows of the pairs and of the template's points that stick out.
+fn add_others(rows: &mut Rows, scene: &Scene, weights: &Weights, x: &[Vec3]) {
     for (pairs, weights) in
         [(&scene.landmarks, &weights.landmarks), (&scene.attachments, &weights.attachments)]
     {
@@ -153,7 +194,6 @@ pub fn rows(scene: &Scene, contact: &Contact, weights: &Weights, x: &[Vec3]) -> 
         let weight = 1.0 / (spacing * spacing);
         rows.add(excess.point.clone(), [(excess.direction, excess.residual * spacing, weight)]);
     }
-    rows
 }
 
 /// Two directions that complete the unit vector `n` to an orthonormal frame.

@@ -1,67 +1,37 @@
-//! One Gauss-Newton direction for the plastic strain, in the dual form.
+//! Damped Gauss-Newton directions for the plastic strain, in the dual form.
 //!
-//! At an equilibrium (x, s) with rows r = sqrt(c) (A x + b) the step minimises
+//! At an equilibrium (x, s) with rows r = sqrt(c) (A x + b) the step ds, xi minimises
 //!
-//!   1/2 u^T R u + 1/2 |Z u + P xi - d|^2,   u = s + ds - anchor,   d = Z (s - anchor) - r,
+//!   1/2 u^T R u + lambda/2 ds^T R ds + 1/2 |Z ds + P xi + r|^2,   u = s - anchor + ds,
 //!
 //! Z = sqrt(c) A J, K J = -G ([W] Eqs. 8-11). Instead of the indefinite Woodbury update of
 //! [W] Eq. 13 we solve the equivalent positive definite "smoothing spline" system
 //!
-//!   [ I + H^T H   P ] [a]   [d]        H^T H = Z R^+ Z^T,
-//!   [ P^T         0 ] [y] = [0]        P = [Z N, rigid modes],
+//!   [ I + share H^T H   P ] [a]   [d]        H^T H = Z R^+ Z^T,     share = 1 / (1 + lambda),
+//!   [ P^T               0 ] [y] = [0]        P = [Z N, rigid modes],
 //!
-//! whose size is the number of rows, not of strains; u = R^+ Z^T a + N y. N are the strains that
-//! R leaves free; the rigid modes of a free body are six more unknowns, so that no polar
-//! decomposition is constrained ([W] Eqs. 19-24 are not needed). docs/papers.md has the derivation.
+//! whose size is the number of rows, not of strains. N are the strains that R leaves free; the rigid
+//! modes of a free body are six more unknowns, so that no polar decomposition is constrained
+//! ([W] Eqs. 19-24 are not needed). The damping lambda (Levenberg, Marquardt) holds back what the
+//! data hardly determine; H does not depend on it. docs/papers.md has the derivation.
+//!
+//! With more rows than such a system can have, it stands for a few representatives of them and
+//! preconditions conjugate gradients on the normal equations of all rows.
 
-use faer::Mat;
 use nalgebra::Vector6;
-use rayon::prelude::*;
 
+use super::linearization::Linearization;
+use super::rows::Rows;
 use crate::error::Result;
-use crate::fem::{Body, MaterialPoint, Sensitivity, StrainSmoothness, rigid_modes, solve_vectors};
+use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
-use crate::math::{Sym3, Vec3};
-use crate::solve::{ColumnBlocks, DenseCholesky, Factor};
+use crate::math::Sym3;
+use crate::solve::{SaddleFactor, SaddleSystem};
 
-/// Relative size of the shift that makes a rank-deficient Schur complement solvable.
-const SCHUR_SHIFT: f64 = 1e-12;
-
-/// A set of weighted residuals sqrt(weight) direction . (point - target).
-#[derive(Clone, Debug, Default)]
-pub struct Rows {
-    /// Points of the body that rows refer to.
-    pub points: Vec<MaterialPoint>,
-    /// The rows.
-    pub rows: Vec<Row>,
-}
-
-/// One scalar residual.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Index into the points.
-    pub point: usize,
-    /// Direction in which the residual is measured (unit length).
-    pub direction: Vec3,
-    /// direction . (point - target) at the present shape.
-    pub residual: f64,
-    /// c = 1 / sigma^2.
-    pub weight: f64,
-}
-
-/// What the direction is computed at.
-pub struct Linearization<'a, M> {
-    /// The body.
-    pub body: &'a Body<M>,
-    /// Factor of its stiffness at `x`.
-    pub stiffness: &'a Factor,
-    /// d(gradient)/ds at `x`.
-    pub sensitivity: &'a Sensitivity,
-    /// Vertex positions.
-    pub x: &'a [Vec3],
-    /// Centre of the rigid motions.
-    pub center: Vec3,
-}
+/// Conjugate gradients end when the error, in the norm of the preconditioner, has fallen to this.
+const REDUCTION: f64 = 1e-8;
+/// Their steps at most; the sum so far is a direction of descent at any time.
+const MAX_STEPS: usize = 60;
 
 /// A change of the plastic strain and, for a free body, a rigid motion (translation, rotation
 /// vector about the linearization's centre).
@@ -73,178 +43,195 @@ pub struct Direction {
     pub rigid: Option<Vector6<f64>>,
 }
 
-impl Rows {
-    /// Adds the rows of one point.
-    pub fn add(&mut self, point: MaterialPoint, rows: impl IntoIterator<Item = (Vec3, f64, f64)>) {
-        let index = self.points.len();
-        self.points.push(point);
-        self.rows.extend(rows.into_iter().map(|(direction, residual, weight)| Row {
-            point: index,
-            direction,
-            residual,
-            weight,
-        }));
-    }
-
-    /// 1/2 sum c residual^2.
-    pub fn energy(&self) -> f64 {
-        0.5 * self.rows.iter().map(|r| r.weight * r.residual * r.residual).sum::<f64>()
-    }
-
-    /// sqrt(c) direction . field(point), per row.
-    pub(super) fn measure(&self, field: &[Vec3]) -> Vec<f64> {
-        self.rows
-            .iter()
-            .map(|r| r.weight.sqrt() * r.direction.dot(&self.points[r.point].position(field)))
-            .collect()
-    }
-
-    /// sum over rows of a sqrt(c) direction, spread to the vertices.
-    fn spread(&self, a: &[f64], vertices: usize) -> Vec<Vec3> {
-        let mut field = vec![Vec3::zeros(); vertices];
-        for (row, a) in self.rows.iter().zip(a) {
-            let force = row.direction * (row.weight.sqrt() * a);
-            for &(v, w) in &self.points[row.point].0 {
-                field[v as usize] += force * w;
-            }
-        }
-        field
-    }
+/// The normal equations of one linearization, for any damping.
+pub struct NormalEquations<'a, M> {
+    at: &'a Linearization<'a, M>,
+    rows: &'a Rows,
+    representatives: Option<&'a Rows>,
+    smoothness: &'a StrainSmoothness,
+    system: SaddleSystem,
 }
 
-impl<M: IsotropicDensity> Linearization<'_, M> {
-    /// J ds = -K^-1 G ds: how the shape answers a change of strain, to first order.
-    pub fn shape_change(&self, ds: &[Sym3]) -> Vec<Vec3> {
-        let forces = self.sensitivity.multiply(ds);
-        solve_vectors(self.stiffness, &forces).into_iter().map(|x| -x).collect()
+impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
+    /// `representatives`: rows that stand for all where these are too many.
+    pub fn new(
+        at: &'a Linearization<'a, M>,
+        rows: &'a Rows,
+        representatives: Option<&'a Rows>,
+        smoothness: &'a StrainSmoothness,
+    ) -> Self {
+        let few = representatives.unwrap_or(rows);
+        let (half, constants) = at.half_inverse(few, smoothness);
+        let mut free = Vec::new();
+        if smoothness.is_singular() {
+            free.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
+        }
+        if at.body.is_free() {
+            free.extend(at.rigid_columns(few));
+        }
+        let system = SaddleSystem::new(&half, free);
+        Self { at, rows, representatives, smoothness, system }
     }
 
-    /// The Gauss-Newton direction at strain `s` with prior `smoothness` about `anchor`.
-    pub fn direction(
-        &self,
-        rows: &Rows,
-        smoothness: &StrainSmoothness,
-        s: &[Sym3],
-        anchor: &[Sym3],
-    ) -> Result<Direction> {
+    /// The direction at strain `s` with the prior about `anchor`.
+    pub fn direction(&self, s: &[Sym3], anchor: &[Sym3], damping: f64) -> Result<Direction> {
         let offset: Vec<Sym3> = s.iter().zip(anchor).map(|(s, a)| s - a).collect();
-        let d: Vec<f64> = rows
-            .measure(&self.shape_change(&offset))
-            .into_iter()
-            .zip(&rows.rows)
-            .map(|(z, row)| z - row.weight.sqrt() * row.residual)
-            .collect();
-        let (half, constants) = self.half_inverse(rows, smoothness);
-        let free = self.free_columns(rows, smoothness, &constants);
-        let (a, y) = solve_saddle(&half, &free, &d)?;
-        let mut u = smoothness.solve(&self.transpose_multiply(rows, &a));
-        let mut rigid = y.as_slice();
-        if smoothness.is_singular() {
-            let constant = Sym3::from_column_slice(&y[..6]);
-            for u in &mut u {
+        let share = 1.0 / (1.0 + damping);
+        let saddle = self.system.factor(share)?;
+        Ok(match self.representatives {
+            None => self.dual_direction(&saddle, &offset, share),
+            Some(few) => self.iterated_direction(&saddle, few, &offset, share),
+        })
+    }
+
+    /// The objective that the linearization promises for a step.
+    pub fn promise(&self, s: &[Sym3], anchor: &[Sym3], direction: &Direction) -> f64 {
+        let u: Vec<Sym3> =
+            s.iter().zip(anchor).zip(&direction.ds).map(|((s, a), ds)| s - a + ds).collect();
+        let change = self.measured(direction);
+        let data = self.rows.residuals().into_iter().zip(change).map(|(r, z)| (r + z) * (r + z));
+        self.smoothness.energy(&u) + 0.5 * data.sum::<f64>()
+    }
+
+    /// In closed form: with v = ds + share (s - anchor), v = share R^+ Z^T a + N y.
+    fn dual_direction(&self, saddle: &SaddleFactor, offset: &[Sym3], share: f64) -> Direction {
+        let kept: Vec<Sym3> = offset.iter().map(|o| o * share).collect();
+        let before = self.rows.measure(&self.at.shape_change(&kept));
+        let d: Vec<f64> = before.iter().zip(self.rows.residuals()).map(|(z, r)| z - r).collect();
+        let (a, y) = saddle.solve(&d, &vec![0.0; self.system.free_count()]);
+        let mut v = self.smoothness.solve(&self.at.transpose_multiply(self.rows, &a));
+        for v in &mut v {
+            *v *= share;
+        }
+        let rigid = self.add_free(&mut v, &y);
+        Direction { ds: v.iter().zip(&kept).map(|(v, k)| v - k).collect(), rigid }
+    }
+
+    /// By conjugate gradients on ((1 + lambda) R + Z^T Z) ds + Z^T P xi = force, P^T (Z ds + P xi) = h.
+    fn iterated_direction(
+        &self,
+        saddle: &SaddleFactor,
+        few: &Rows,
+        offset: &[Sym3],
+        share: f64,
+    ) -> Direction {
+        let residuals = self.rows.residuals();
+        let mut r = self.adjoint(&residuals).minus_of(&self.smoothness.apply(offset));
+        let mut z = self.precondition(saddle, few, &r, share);
+        let mut p = z.clone();
+        let mut sum = z.clone().times(0.0);
+        let mut rz = r.dot(&z);
+        let goal = REDUCTION * REDUCTION * rz;
+        for _ in 0..MAX_STEPS {
+            let ap = self.multiply(&p, share);
+            let alpha = rz / p.dot(&ap);
+            sum.add(alpha, &p);
+            r.add(-alpha, &ap);
+            z = self.precondition(saddle, few, &r, share);
+            let next = r.dot(&z);
+            if next.is_nan() || next <= goal {
+                break;
+            }
+            p = p.times(next / rz);
+            p.add(1.0, &z);
+            rz = next;
+        }
+        sum
+    }
+
+    /// The matrix of the normal equations times a direction.
+    fn multiply(&self, p: &Direction, share: f64) -> Direction {
+        let mut product = self.adjoint(&self.measured(p));
+        for (product, prior) in product.ds.iter_mut().zip(self.smoothness.apply(&p.ds)) {
+            *product += prior / share;
+        }
+        product
+    }
+
+    /// Z ds + P xi, of all rows.
+    fn measured(&self, p: &Direction) -> Vec<f64> {
+        let mut change = self.rows.measure(&self.at.shape_change(&p.ds));
+        if let Some(rigid) = &p.rigid {
+            for (column, xi) in self.at.rigid_columns(self.rows).iter().zip(rigid) {
+                change.iter_mut().zip(column).for_each(|(z, c)| *z += c * xi);
+            }
+        }
+        change
+    }
+
+    /// [Z, P]^T a, of all rows.
+    fn adjoint(&self, a: &[f64]) -> Direction {
+        let rigid = self.at.body.is_free().then(|| {
+            let columns = self.at.rigid_columns(self.rows);
+            Vector6::from_fn(|k, _| columns[k].iter().zip(a).map(|(c, a)| c * a).sum())
+        });
+        Direction { ds: self.at.transpose_multiply(self.rows, a), rigid }
+    }
+
+    /// The direction that the representatives answer `force` with:
+    /// u = share R^+ (f - Z^T w) + N y, (I + share H^T H) w - P y = share Z R^+ f, P^T w = h.
+    fn precondition(
+        &self,
+        saddle: &SaddleFactor,
+        few: &Rows,
+        force: &Direction,
+        share: f64,
+    ) -> Direction {
+        let mut h: Vec<f64> = Vec::new();
+        if self.smoothness.is_singular() {
+            h.extend(force.ds.iter().sum::<Sym3>().iter());
+        }
+        h.extend(force.rigid.iter().flat_map(|rigid| rigid.iter().copied()));
+        let mut u = self.smoothness.solve(&force.ds);
+        for u in &mut u {
+            *u *= share;
+        }
+        let (w, y) = saddle.solve(&few.measure(&self.at.shape_change(&u)), &h);
+        let back = self.smoothness.solve(&self.at.transpose_multiply(few, &w));
+        u.iter_mut().zip(back).for_each(|(u, back)| *u -= back * share);
+        let y: Vec<f64> = y.iter().map(|y| -y).collect();
+        let rigid = self.add_free(&mut u, &y);
+        Direction { ds: u, rigid }
+    }
+
+    /// Adds the constant strains among the free unknowns to `u`; the others are the rigid motion.
+    fn add_free(&self, u: &mut [Sym3], free: &[f64]) -> Option<Vector6<f64>> {
+        let constants = if self.smoothness.is_singular() { 6 } else { 0 };
+        if constants > 0 {
+            let constant = Sym3::from_column_slice(&free[..constants]);
+            for u in u.iter_mut() {
                 *u += constant;
             }
-            rigid = &y[6..];
         }
-        let ds = u.iter().zip(&offset).map(|(u, o)| u - o).collect();
-        Ok(Direction { ds, rigid: self.body.is_free().then(|| Vector6::from_column_slice(rigid)) })
-    }
-
-    /// Z^T a = -G^T K^-1 A^T sqrt(c) a.
-    pub(super) fn transpose_multiply(&self, rows: &Rows, a: &[f64]) -> Vec<Sym3> {
-        let y = solve_vectors(self.stiffness, &rows.spread(a, self.x.len()));
-        let flat: Vec<f64> = y.iter().flat_map(|v| [-v.x, -v.y, -v.z]).collect();
-        let mut z = vec![0.0; 6 * self.sensitivity.carriers()];
-        self.sensitivity.transpose_multiply(&flat, 1, &mut z);
-        z.chunks_exact(6).map(Sym3::from_column_slice).collect()
-    }
-
-    /// H with H^T H = Z R^+ Z^T in blocks of columns, one column per row of data, and the sums of
-    /// Z^T over all carriers: Z times each constant strain.
-    pub(super) fn half_inverse(
-        &self,
-        rows: &Rows,
-        smoothness: &StrainSmoothness,
-    ) -> (ColumnBlocks, Vec<Vector6<f64>>) {
-        let mut half = ColumnBlocks::zeros(6 * self.sensitivity.carriers(), rows.rows.len());
-        let constants: Vec<Vec<Vector6<f64>>> = half
-            .blocks
-            .par_iter_mut()
-            .zip(rows.rows.par_chunks(ColumnBlocks::WIDTH))
-            .map_init(Vec::new, |y: &mut Vec<f64>, (z, part)| {
-                let width = part.len();
-                y.clear();
-                y.resize(3 * self.x.len() * width, 0.0);
-                for (c, row) in part.iter().enumerate() {
-                    let scaled = row.direction * -row.weight.sqrt();
-                    for &(v, w) in &rows.points[row.point].0 {
-                        for axis in 0..3 {
-                            y[(3 * v as usize + axis) * width + c] += scaled[axis] * w;
-                        }
-                    }
-                }
-                self.stiffness.solve_rows(y, width);
-                self.sensitivity.transpose_multiply(y, width, z);
-                let mut sums = vec![Vector6::zeros(); width];
-                for carrier in z.chunks_exact(6 * width) {
-                    for (p, row) in carrier.chunks_exact(width).enumerate() {
-                        sums.iter_mut().zip(row).for_each(|(sum, z)| sum[p] += z);
-                    }
-                }
-                smoothness.half_inverse(z, width);
-                sums
-            })
-            .collect();
-        (half, constants.into_iter().flatten().collect())
-    }
-
-    /// P: the directions that cost nothing, one column each.
-    fn free_columns(
-        &self,
-        rows: &Rows,
-        smoothness: &StrainSmoothness,
-        constants: &[Vector6<f64>],
-    ) -> Vec<Vec<f64>> {
-        let mut columns = Vec::new();
-        if smoothness.is_singular() {
-            columns.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
-        }
-        if self.body.is_free() {
-            let modes: Vec<[Vec3; 6]> =
-                self.x.iter().map(|x| rigid_modes(x, &self.center)).collect();
-            for k in 0..6 {
-                let field: Vec<Vec3> = modes.iter().map(|m| m[k]).collect();
-                columns.push(rows.measure(&field));
-            }
-        }
-        columns
+        self.at.body.is_free().then(|| Vector6::from_column_slice(&free[constants..]))
     }
 }
 
-/// Solves (I + H^T H) a + P y = d, P^T a = 0.
-fn solve_saddle(half: &ColumnBlocks, free: &[Vec<f64>], d: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
-    let q = d.len();
-    let mut capacity = Mat::<f64>::identity(q, q);
-    half.add_gram_lower(&mut capacity);
-    let factor = DenseCholesky::new(capacity)?;
-    let p = free.len();
-    // Columns: C^-1 P, then C^-1 d.
-    let mut solved = Mat::from_fn(q, p + 1, |i, j| if j < p { free[j][i] } else { d[i] });
-    factor.solve(solved.as_mut());
-    let mut y = vec![0.0; p];
-    if p > 0 {
-        let dot = |j: usize, k: usize| (0..q).map(|i| free[j][i] * solved[(i, k)]).sum::<f64>();
-        let mut schur = Mat::from_fn(p, p, &dot);
-        for j in 0..p {
-            schur[(j, j)] *= 1.0 + SCHUR_SHIFT;
-            schur[(j, j)] += f64::MIN_POSITIVE;
-        }
-        let mut right = Mat::from_fn(p, 1, |j, _| dot(j, p));
-        DenseCholesky::new(schur)?.solve(right.as_mut());
-        y = (0..p).map(|j| right[(j, 0)]).collect();
+impl Direction {
+    fn dot(&self, other: &Self) -> f64 {
+        let rigid = self.rigid.iter().zip(&other.rigid).map(|(a, b)| a.dot(b));
+        self.ds.iter().zip(&other.ds).map(|(a, b)| a.dot(b)).chain(rigid).sum()
     }
-    let a = (0..q)
-        .map(|i| solved[(i, p)] - (0..p).map(|j| solved[(i, j)] * y[j]).sum::<f64>())
-        .collect();
-    Ok((a, y))
+
+    fn times(mut self, factor: f64) -> Self {
+        for ds in &mut self.ds {
+            *ds *= factor;
+        }
+        self.rigid = self.rigid.map(|rigid| rigid * factor);
+        self
+    }
+
+    /// self += factor other
+    fn add(&mut self, factor: f64, other: &Self) {
+        self.ds.iter_mut().zip(&other.ds).for_each(|(a, b)| *a += b * factor);
+        if let (Some(a), Some(b)) = (&mut self.rigid, &other.rigid) {
+            *a += b * factor;
+        }
+    }
+
+    /// -(self + prior)
+    fn minus_of(mut self, prior: &[Sym3]) -> Self {
+        self.ds.iter_mut().zip(prior).for_each(|(a, b)| *a += b);
+        self.times(-1.0)
+    }
 }

@@ -2,18 +2,25 @@
 
 mod affine_start;
 mod coverage;
+mod damping;
 mod evidence;
 mod gauss_newton;
+mod linearization;
+mod marker_groups;
 mod numbering;
 mod options;
 mod problem;
+mod rows;
 mod scene;
 mod solver;
 mod summary;
+mod trial;
 mod woodbury;
 
-pub use gauss_newton::{Direction, Linearization, Row, Rows};
+pub use gauss_newton::{Direction, NormalEquations};
+pub use linearization::Linearization;
 pub use options::Options;
 pub use problem::{Landmark, Marker, Problem, TemplatePoint};
+pub use rows::{Row, Rows};
 pub use solver::{Reshaped, reshape};
 pub use summary::{IterationRecord, Stop, Summary};

@@ -2,12 +2,13 @@
 
 use crate::error::Result;
 use crate::fem::{Body, MaterialPoint, Spring};
-use crate::locate::{Embedding, NearestPoints};
+use crate::locate::{ClosestPoints, Embedding, NearestPoints};
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
 use super::coverage::Coverage;
+use super::marker_groups::{MarkerGroup, marker_groups};
 use super::numbering::Numbering;
 use super::options::Options;
 use super::problem::{Landmark, Problem, TemplatePoint};
@@ -57,8 +58,12 @@ pub struct Scene {
     pub embedding: Embedding,
     /// The surface's triangles.
     pub triangles: Vec<[u32; 3]>,
+    /// Search for points on the surface; to be refitted to the shape in question.
+    pub surface_tree: ClosestPoints,
     /// Marker positions with the user's weights.
     pub markers: Vec<(Vec3, f64)>,
+    /// Groups of the markers, where they are many.
+    pub marker_groups: Option<Vec<MarkerGroup>>,
     /// Landmarks.
     pub landmarks: Vec<Pair>,
     /// Attachments.
@@ -130,13 +135,14 @@ impl Scene {
         let tolerance = options.tolerance.unwrap_or(problem.surface.diagonal() / 1000.0) / length;
         let markers: Vec<(Vec3, f64)> =
             problem.markers.iter().map(|m| (inward(&m.position), m.weight)).collect();
+        let positions: Vec<Vec3> = markers.iter().map(|m| m.0).collect();
         let coverage = if options.reverse_term {
             let surface: Vec<(Vec3, MaterialPoint)> = points
                 .iter()
                 .enumerate()
                 .map(|(v, p)| (inward(p), embedded(&surface_embedding, v)))
                 .collect();
-            Coverage::of_slices(&markers.iter().map(|m| m.0).collect::<Vec<_>>(), &surface)
+            Coverage::of_slices(&positions, &surface)
         } else {
             None
         };
@@ -157,7 +163,12 @@ impl Scene {
             )?,
             numbering,
             embedding: surface_embedding,
+            surface_tree: ClosestPoints::new(
+                &points.iter().map(inward).collect::<Vec<_>>(),
+                &problem.surface.triangles,
+            ),
             triangles: problem.surface.triangles.clone(),
+            marker_groups: marker_groups(&positions),
             markers,
             coverage,
             landmarks,

@@ -1,25 +1,23 @@
 //! The outer loop: correspond, linearise, step, until the markers are met.
 
+use rayon::prelude::*;
+
 use crate::error::Result;
-use crate::fem::{
-    Chart, Equilibrium, EquilibriumOptions, Outcome, PlasticState, RigidMotion, Sensitivity,
-    StrainSmoothness, StrainSpace,
-};
-use crate::locate::ClosestPoints;
-use crate::math::symmetric3::{eigen, exp, log, to_matrix};
+use crate::fem::{EquilibriumOptions, PlasticState, Sensitivity, StrainSmoothness, StrainSpace};
+use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::{Mat3, Sym3, Vec3};
 use crate::run::Run;
 
 use super::affine_start::affine_start;
-use super::evidence::{Contact, Weights, rows};
-use super::gauss_newton::{Direction, Linearization};
+use super::damping::Damping;
+use super::evidence::{Contact, Weights, representatives, rows};
+use super::gauss_newton::{Direction, NormalEquations};
+use super::linearization::Linearization;
 use super::options::Options;
 use super::problem::Problem;
 use super::scene::Scene;
 use super::summary::{IterationRecord, Stop, Summary};
-
-/// Largest change of a tet's logarithmic strain in one step.
-const MAX_STRAIN_STEP: f64 = 0.9;
+use super::trial::Origin;
 
 /// The markers' weight starts at this share of its final value and grows by the factor below.
 const FIRST_DATA_SCALE: f64 = 1e-4;
@@ -32,16 +30,13 @@ const LEVEL_DECREASE: f64 = 0.2;
 /// Two relative decreases of the objective below this, one after the other, end the run.
 const SMALL_DECREASE: f64 = 0.01;
 
-/// Step halvings before a direction is given up.
-const MAX_HALVINGS: usize = 6;
+/// Pairs of trials before the search for a step is given up.
+const MAX_ROUNDS: i32 = 3;
 
-/// Fraction of the predicted decrease that a step must achieve.
+/// Share of the present objective, times the step's length, that a step must take away.
 const ARMIJO: f64 = 1e-4;
 
-/// Newton steps and residual (relative to E l^2) of a trial's static solve.
-const TRIAL: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 15 };
-
-/// The same for the start, which may be far from equilibrium.
+/// Newton steps and residual (relative to E l^2) of the start, which may be far from equilibrium.
 const START: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 200 };
 
 /// A reshaped template.
@@ -59,21 +54,40 @@ pub struct Reshaped {
 
 /// A plastic strain and the shape in equilibrium with it.
 #[derive(Clone)]
-struct State {
-    s: Vec<Sym3>,
-    x: Vec<Vec3>,
+pub struct State {
+    pub s: Vec<Sym3>,
+    pub x: Vec<Vec3>,
 }
 
 /// One reshaping under way.
-struct Solver<'a> {
-    scene: Scene,
+pub struct Solver<'a> {
+    pub scene: Scene,
+    pub space: StrainSpace,
     options: &'a Options,
     run: &'a Run,
-    tree: ClosestPoints,
-    space: StrainSpace,
     smoothness: StrainSmoothness,
     anchor: Vec<Sym3>,
+    damping: Damping,
     summary: Summary,
+}
+
+/// Where the trials of one step come from.
+enum Search<'a> {
+    /// One published direction, halved.
+    Halving(Direction),
+    /// Damped directions.
+    Damping(NormalEquations<'a, InversionBarrier<StableNeoHookean>>),
+}
+
+/// One trial, judged.
+struct Attempt {
+    /// The state, where it lowers the objective.
+    state: Option<State>,
+    /// Its objective.
+    value: f64,
+    /// How to go on from it.
+    next_damping: Damping,
+    newton_steps: usize,
 }
 
 /// Reshapes the template. A cancelled run returns its best shape so far.
@@ -90,12 +104,10 @@ impl<'a> Solver<'a> {
     /// The first state: constant strain for a free body, statics for a held one.
     fn start(problem: &Problem, options: &'a Options, run: &'a Run) -> Result<(Self, State)> {
         let scene = Scene::new(problem, options)?;
-        let mut tree =
-            ClosestPoints::new(&scene.embedding.apply(&scene.body.mesh.points), &scene.triangles);
         let space = if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM };
         let carriers = space.carriers(scene.body.mesh.points.len(), scene.body.mesh.tets.len());
         let (strain, x) = if scene.body.is_free() {
-            let start = affine_start(&scene, &mut tree);
+            let start = affine_start(&scene);
             (start.strain, start.x)
         } else {
             (Sym3::zeros(), scene.body.mesh.points.clone())
@@ -113,12 +125,12 @@ impl<'a> Solver<'a> {
         )?;
         let mut solver = Self {
             scene,
+            space,
             options,
             run,
-            tree,
-            space,
             smoothness,
             anchor,
+            damping: Damping::default(),
             summary: Summary::default(),
         };
         let s = solver.anchor.clone();
@@ -170,105 +182,93 @@ impl<'a> Solver<'a> {
     /// One Gauss-Newton step; `None` when no step lowers the objective. With it the relative
     /// decrease.
     fn step(&mut self, state: &State, scale: f64) -> Result<Option<(State, f64)>> {
-        let contact = Contact::new(&self.scene, &mut self.tree, &state.x);
+        let contact = Contact::new(&self.scene, &state.x);
         let weights =
             Weights::new(&self.scene, &contact, &state.x, scale, self.options.hard_attachments);
         let rows = rows(&self.scene, &contact, &weights, &state.x);
-        let objective = rows.energy() + self.prior(&state.s);
+        let representatives = representatives(&self.scene, &contact, &weights, &state.x);
         let plastic = self.plastic(&state.s);
         let stiffness = self.scene.body.factor_stiffness(&state.x, &plastic)?;
         let sensitivity = Sensitivity::new(&self.scene.body, &self.space, &state.x, &plastic);
-        let center = state.x.iter().sum::<Vec3>() / state.x.len() as f64;
         let at = Linearization {
             body: &self.scene.body,
             stiffness: &stiffness,
             sensitivity: &sensitivity,
             x: &state.x,
-            center,
+            center: state.x.iter().sum::<Vec3>() / state.x.len() as f64,
         };
-        let direction = if self.options.paper && !self.scene.body.is_free() {
-            at.woodbury_direction(&rows, &self.smoothness, &state.s, &self.anchor)
+        let objective = rows.energy() + self.prior(&state.s);
+        let origin = Origin { state, at: &at, weights: &weights, objective };
+        let search = if self.options.paper && !self.scene.body.is_free() {
+            let direction = at.woodbury_direction(&rows, &self.smoothness, &state.s, &self.anchor);
+            Search::Halving(direction)
         } else {
-            at.direction(&rows, &self.smoothness, &state.s, &self.anchor)?
+            let few = representatives.as_ref();
+            Search::Damping(NormalEquations::new(&at, &rows, few, &self.smoothness))
         };
-        let dx = at.shape_change(&direction.ds);
-        let mut eta = self.largest_step(&state.s, &direction);
-        for _ in 0..MAX_HALVINGS {
-            if self.run.is_cancelled() {
-                return Ok(None);
+        let mut newton_steps = 0;
+        let mut found = None;
+        for round in 0..MAX_ROUNDS {
+            if found.is_some() || self.run.is_cancelled() {
+                break;
             }
-            if let Some(trial) = self.trial(state, &direction, &dx, eta, center)? {
-                let value = self.objective(&trial, &weights);
-                if value <= objective * (1.0 - ARMIJO * eta) {
-                    return Ok(Some((trial, 1.0 - value / objective)));
+            let pair = [0, 1].into_par_iter().map(|k| self.attempt(&origin, &search, round, k));
+            for attempt in pair.collect::<Result<Vec<Attempt>>>()? {
+                newton_steps += attempt.newton_steps;
+                if attempt.value < found.as_ref().map_or(f64::INFINITY, |f: &Attempt| f.value) {
+                    found = Some(attempt);
                 }
             }
-            eta *= 0.5;
         }
-        Ok(None)
+        self.summary.newton_steps += newton_steps;
+        Ok(found.and_then(|best| {
+            self.damping = best.next_damping;
+            best.state.map(|state| (state, 1.0 - best.value / objective))
+        }))
     }
 
-    /// The state a step of length `eta` leads to, if its equilibrium is found.
-    fn trial(
-        &mut self,
-        state: &State,
-        direction: &Direction,
-        dx: &[Vec3],
-        eta: f64,
-        center: Vec3,
-    ) -> Result<Option<State>> {
-        let s: Vec<Sym3> = state.s.iter().zip(&direction.ds).map(|(s, ds)| s + ds * eta).collect();
-        let plastic = self.plastic(&s);
-        let rigid = direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), center));
-        let predicted = self.predict(&state.x, dx, eta, rigid.as_ref(), &plastic);
-        let Equilibrium { x, outcome, steps } =
-            self.scene.body.equilibrate(predicted, &plastic, &TRIAL)?;
-        self.summary.newton_steps += steps;
-        Ok((outcome == Outcome::Converged).then_some(State { s, x }))
-    }
-
-    /// First-order guess of the shape after a step, held back where it would invert a tet.
-    fn predict(
-        &self,
-        x: &[Vec3],
-        dx: &[Vec3],
-        eta: f64,
-        rigid: Option<&RigidMotion>,
-        plastic: &[PlasticState],
-    ) -> Vec<Vec3> {
-        let mut share = eta;
-        loop {
-            let moved = x.iter().zip(dx).map(|(x, dx)| x + dx * share);
-            let guess: Vec<Vec3> =
-                moved.map(|x| rigid.map_or(x, |motion| motion.apply(&x))).collect();
-            if share == 0.0 || self.scene.body.energy(&guess, plastic).is_finite() {
-                return guess;
+    /// Trial `k` of a round; its value is infinite where it does not lower the objective.
+    fn attempt(&self, origin: &Origin, search: &Search, round: i32, k: usize) -> Result<Attempt> {
+        let state = origin.state;
+        let (direction, share, damping) = match search {
+            Search::Halving(direction) => {
+                (direction.clone(), 0.5_f64.powi(2 * round + k as i32), 0.0)
             }
-            share = if share < 0.1 * eta { 0.0 } else { 0.5 * share };
-        }
-    }
-
-    /// Keeps the strain of every carrier from changing too much at once and, where the field is Fp
-    /// itself, from coming near to singular.
-    fn largest_step(&self, s: &[Sym3], direction: &Direction) -> f64 {
-        let limit = |(s, ds): (&Sym3, &Sym3)| match self.space.chart {
-            Chart::Logarithm => MAX_STRAIN_STEP / to_matrix(ds).norm().max(f64::MIN_POSITIVE),
-            Chart::Matrix => to_boundary(&to_matrix(s), &to_matrix(ds)),
+            Search::Damping(equations) => {
+                let damping = self.damping.pair(round)[k];
+                (equations.direction(&state.s, &self.anchor, damping)?, 1.0, damping)
+            }
         };
-        s.iter().zip(&direction.ds).map(limit).fold(1.0, f64::min)
+        let dx = origin.at.shape_change(&direction.ds);
+        let eta = share * self.largest_step(&state.s, &direction);
+        let trial = self.trial(origin, &direction, &dx, eta)?;
+        let needed = origin.objective * (1.0 - ARMIJO * eta);
+        let (state, value) = match trial.reached.filter(|(_, value)| *value <= needed) {
+            Some((state, value)) => (Some(state), value),
+            None => (None, f64::INFINITY),
+        };
+        let next_damping = match search {
+            Search::Damping(equations) if state.is_some() => {
+                let promise = equations.promise(&origin.state.s, &self.anchor, &direction);
+                let promised = (origin.objective - promise) * eta;
+                Damping::after(damping, (origin.objective - value) / promised)
+            }
+            _ => self.damping,
+        };
+        Ok(Attempt { state, value, next_damping, newton_steps: trial.newton_steps })
     }
 
-    fn objective(&mut self, state: &State, weights: &Weights) -> f64 {
-        let contact = Contact::new(&self.scene, &mut self.tree, &state.x);
-        rows(&self.scene, &contact, weights, &state.x).energy() + self.prior(&state.s)
+    /// What the data say about the shape `x`.
+    pub fn data(&self, x: &[Vec3], weights: &Weights) -> f64 {
+        rows(&self.scene, &Contact::new(&self.scene, x), weights, x).energy()
     }
 
-    fn prior(&self, s: &[Sym3]) -> f64 {
+    pub fn prior(&self, s: &[Sym3]) -> f64 {
         let u: Vec<Sym3> = s.iter().zip(&self.anchor).map(|(s, a)| s - a).collect();
         self.smoothness.energy(&u)
     }
 
-    fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {
+    pub fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {
         self.space.states(s, &self.scene.body.mesh.tets)
     }
 
@@ -280,7 +280,7 @@ impl<'a> Solver<'a> {
 
     /// Notes where the run stands and tells those who watch.
     fn record(&mut self, state: &State, scale: f64) {
-        let contact = Contact::new(&self.scene, &mut self.tree, &state.x);
+        let contact = Contact::new(&self.scene, &state.x);
         let distances = contact.distances();
         let mean =
             distances.iter().sum::<f64>() / distances.len().max(1) as f64 * self.scene.length;
@@ -335,12 +335,3 @@ const SMALLEST_TET_WEIGHT: f64 = 0.1;
 
 /// Weight of the graph Laplacian in the published formulation.
 const PAPER_SMOOTHNESS: f64 = 1.0;
-
-/// How far along `step` the matrix `fp` may go: 60 % of the way to a zero eigenvalue, and at most
-/// 1.2 times its own size.
-fn to_boundary(fp: &Mat3, step: &Mat3) -> f64 {
-    let root = exp(&(log(fp) * -0.5));
-    let (relative, _) = eigen(&(root * step * root));
-    let inward = 0.6 / (-relative.min()).max(f64::MIN_POSITIVE);
-    inward.min(1.2 / relative.max().max(f64::MIN_POSITIVE))
-}

@@ -9,7 +9,9 @@ use faer::Mat;
 use faer::prelude::Solve;
 use nalgebra::Vector6;
 
-use super::gauss_newton::{Direction, Linearization, Rows};
+use super::gauss_newton::Direction;
+use super::linearization::Linearization;
+use super::rows::Rows;
 use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
 use crate::math::Sym3;
@@ -17,7 +19,7 @@ use crate::solve::ColumnBlocks;
 
 impl<M: IsotropicDensity> Linearization<'_, M> {
     /// The direction of a held body with a smoothness that leaves constants free; the same as
-    /// [`Self::direction`] in exact arithmetic.
+    /// [`super::NormalEquations::direction`] in exact arithmetic.
     pub fn woodbury_direction(
         &self,
         rows: &Rows,
@@ -26,8 +28,7 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         anchor: &[Sym3],
     ) -> Direction {
         let offset: Vec<Sym3> = s.iter().zip(anchor).map(|(s, a)| s - a).collect();
-        let residuals: Vec<f64> =
-            rows.rows.iter().map(|row| row.weight.sqrt() * row.residual).collect();
+        let residuals = rows.residuals();
         // v = B^-1 times the negative gradient R (s - anchor) + Z^T r.
         let mut gradient = smoothness.apply(&offset);
         for (g, z) in gradient.iter_mut().zip(self.transpose_multiply(rows, &residuals)) {

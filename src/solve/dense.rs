@@ -35,6 +35,11 @@ impl ColumnBlocks {
         Self { blocks: (0..columns).step_by(Self::WIDTH).map(block).collect(), rows, columns }
     }
 
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
     /// gram += A^T A in its lower triangle. Parallel over blocks of the result, each summed in row
     /// order.
     pub fn add_gram_lower(&self, gram: &mut Mat<f64>) {
