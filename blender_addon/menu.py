@@ -16,6 +16,7 @@ class MOULAGE_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator("moulage.pick_landmarks", text="Click Landmark Pairs")
         layout.operator_menu_enum("moulage.look_at_slice", "view")
+        layout.operator_menu_enum("moulage.scan_window", "preset", text="Window of the Scan")
         layout.operator("moulage.click_markers")
         layout.operator("moulage.markers_from_label")
         layout.operator("moulage.mirror_landmarks", text="Mirror Landmark Names")

@@ -122,15 +122,15 @@ class MOULAGE_PT_labels(NeedsTemplate, bpy.types.Panel):
 
 class MOULAGE_UL_landmarks(bpy.types.UIList):
     def draw_item(self, context, layout, _data, item, _icon, _active, _property):
-        row = layout.row(align=True)
+        split = layout.split(factor=0.68, align=True)
+        row = split.row(align=True)
         row.prop(item, "use", text="")
         row.prop(item, "name", text="", emboss=False)
-        figure = row.row()
-        figure.ui_units_x = 4.4
         if item.template is None or item.target is None:
-            figure.label(text="half", icon="ERROR")
+            split.label(text="half")
         elif item.residual >= 0:
-            figure.label(text=units.text(context.scene, item.residual))
+            # The unit would not fit; the line below the list has it.
+            split.label(text=f"{units.millimetres(context.scene, item.residual):.3g}")
 
 
 class MOULAGE_PT_markers(NeedsTemplate, bpy.types.Panel):
@@ -165,6 +165,8 @@ class MOULAGE_PT_landmarks(NeedsTemplate, bpy.types.Panel):
             side.operator("moulage.remove_landmark", text="", icon="TRASH").all = True
             if data.active_landmark < len(data.landmarks):
                 item = data.landmarks[data.active_landmark]
+                if item.residual >= 0:
+                    write(layout, context, f"{item.name}: {units.text(context.scene, item.residual)} off")
                 layout.prop(item, "weight")
         row = layout.row(align=True)
         row.operator("moulage.import_landmarks", text="Import", icon="IMPORT")

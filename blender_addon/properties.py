@@ -184,7 +184,9 @@ def _labels_of_map(_self, context):
 
 
 def _slider(view):
-    return FloatProperty(name=f"{view.capitalize()} (mm)", step=100, precision=1, update=_draw_slice(view))
+    return FloatProperty(
+        name=view.capitalize(), description="Where the slice lies, in millimetres", step=100, precision=1, update=_draw_slice(view),
+    )
 
 
 class MOULAGE_PG_scene(bpy.types.PropertyGroup):

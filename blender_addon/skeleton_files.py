@@ -16,8 +16,8 @@ import numpy
 from . import mesh_data, rig, skeleton
 from .library import calls, moulage
 
-# A bone of the armature as a share of its mesh, where no joint follows on it.
-_LENGTH = 0.6
+# A bone of the armature as a share of its mesh: it shows the joint's axes, not the bone's extent.
+_LENGTH = 0.25
 
 
 def load(context, path, scale):
@@ -26,7 +26,10 @@ def load(context, path, scale):
         found = library.Skeleton.load(path)
         entries = _entries(found)
         soft = _read_soft(library, Path(path))
-    armature = _build(context, found, Path(path).name.split(".")[0], scale, entries)
+    name = Path(path).name.split(".")[0]
+    # Many are called skeleton.json.
+    name = Path(path).resolve().parent.name if name == "skeleton" else name
+    armature = _build(context, found, name, scale, entries)
     for name, surface in soft:
         ob = _add_mesh(armature, name, surface.points * scale, surface.triangles)
         armature.moulage_skeleton.carried.add().object = ob

@@ -1,5 +1,5 @@
-"""A session in a real window, by clicks and keys: the liver from template to heat map, and what may
-happen in between. Writes screenshots.
+"""A session in a real window, by clicks and keys: the liver from template to heat map, what may
+happen in between, and the hand's skeleton. Writes screenshots.
 
     blender --factory-startup --enable-event-simulate --window-geometry 0 0 1400 1000 \
         --python tests/blender/window.py -- DIST SCREENSHOTS
@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import run  # noqa: E402
 
 DIST, PICTURES = (Path(a).resolve() for a in sys.argv[sys.argv.index("--") + 1 :][:2])
-LIVER = Path(__file__).resolve().parents[2] / "examples" / "liver"
+LIVER, HAND = (Path(__file__).resolve().parents[2] / "examples" / name for name in ("liver", "hand"))
 # Seconds for a step, and for a run.
 LIMIT, RUN_LIMIT = 90, 600
 
@@ -71,6 +71,28 @@ def search(name):
     yield from type_text(name.lower())
     yield from pause(0.5)
     press("RET")
+    yield from pause(0.3)
+
+
+def choose_file(name, path):
+    """Opens a file by an importer: F3, its name, the file, Enter."""
+    yield from search(name)
+    found = []
+
+    def browser():
+        found[:] = [(w, a) for w in bpy.context.window_manager.windows for a in w.screen.areas if a.type == "FILE_BROWSER"]
+        return bool(found) and found[0][1].spaces.active.params is not None
+
+    yield from until(browser, f"the file browser of {name}")
+    own, place = found[0]
+    parameters = place.spaces.active.params
+    parameters.directory, parameters.filename = str(path.parent).encode(), path.name
+    yield from pause(0.5)
+    listing = next(r for r in place.regions if r.type == "WINDOW")
+    x, y = listing.x + listing.width // 2, listing.y + listing.height // 2
+    for value in ("PRESS", "RELEASE"):
+        own.event_simulate(type="RET", value=value, x=x, y=y)
+    yield from until(lambda: not browser(), f"the end of {name}")
     yield from pause(0.3)
 
 
@@ -174,17 +196,61 @@ def landmarks_by_clicks():
         assert hit < 1e-3, "the click did not take the marker"
 
 
+def keys(*names):
+    """Presses keys one after the other; digits are typed."""
+    digits = {"ONE": "1", "TWO": "2", "THREE": "3", "FOUR": "4", "ZERO": "0"}
+    for key in names:
+        for value in ("PRESS", "RELEASE"):
+            window().event_simulate(type=key, value=value, unicode=digits.get(key) if value == "PRESS" else None, x=600, y=500)
+        yield from pause(0.2)
+
+
+def slider_by_keys(scene, slices):
+    """A click on the axial slider of the panel, a number, Enter."""
+    side = region("UI")
+    yield from click(side.x + 80, side.y + side.height - 182)
+    yield from pause(0.3)
+    yield from keys("THREE", "THREE", "ZERO", "RET")
+    yield from until(lambda: abs(scene.moulage.axial - 330) < 1e-3, "the typed number in the slider")
+    assert abs(slices["AXIAL"].matrix_world.translation.z - 330) < 1e-3
+    scene.moulage.axial = 342
+
+
+def oblique_by_keys(slices):
+    """The oblique slice, turned by R, X, 30."""
+    slice_ = slices["OBLIQUE"]
+    slice_.hide_viewport = False
+    select(slice_)
+    yield from until(lambda: slice_.data is not None, "the oblique slice")
+    before = slice_.data.pixels[:]
+    press("R")
+    yield from keys("X", "THREE", "ZERO", "RET")
+    yield from until(lambda: abs(abs(slice_.rotation_euler[0]) - 0.5236) < 1e-3, "the turn of the oblique slice")
+    yield from until(lambda: slice_.data.pixels[:] != before, "the oblique slice after it was turned")
+    slice_.hide_viewport = True
+    select(slices["AXIAL"])
+
+
+def select(ob):
+    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+        bpy.ops.object.select_all(action="DESELECT")
+        ob.select_set(True)
+        bpy.context.view_layer.objects.active = ob
+
+
 def scan_by_clicks():
     """The scan with the result's outline; slices scrubbed by moving them; markers clicked on a slice."""
     from mathutils import Vector
 
     scene = bpy.context.scene
-    bpy.ops.moulage.load_scan(filepath=str(LIVER / "scan.nii.gz"))
+    yield from choose_file("Import Moulage Scan", LIVER / "scan.nii.gz")
     scan = run_part("scan")
+    yield from until(lambda: len(scan.slices(scene)) == 4, "the slices")
     slices = scan.slices(scene)
     slices["CORONAL"].hide_viewport = slices["SAGITTAL"].hide_viewport = True
     scene.moulage.axial = 340
     template().hide_set(True)
+    bpy.data.objects["vessel"].hide_set(True)
     bpy.data.objects["markers"].hide_set(True)
     template().moulage.show_markers = False
     with bpy.context.temp_override(window=window(), area=area(), region=region()):
@@ -199,6 +265,12 @@ def scan_by_clicks():
         window().event_simulate(type=key, value="RELEASE", x=600, y=500)
         yield from pause(0.3)
     yield from until(lambda: abs(scene.moulage.axial - 342) < 1e-3, "the slider after the slice was moved")
+    yield from search("Window of the Scan Bone")
+    yield from until(lambda: scene.moulage.window_width == 2000, "the window for bone")
+    yield from search("Window of the Scan Soft Tissue")
+    yield from until(lambda: scene.moulage.window_width == 400, "the window for soft tissue")
+    yield from slider_by_keys(scene, slices)
+    yield from oblique_by_keys(slices)
 
     template().moulage.markers = None
     yield from search("Click Markers on Slices")
@@ -228,6 +300,20 @@ def run_part(name):
     return importlib.import_module(f"{MODULE}.{name}")
 
 
+def attach_and_carry():
+    """A vessel that is carried, and an attachment that is taken back."""
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=8, location=(60, 170, 380))
+    vessel = bpy.context.object
+    vessel.name = "vessel"
+    yield from search("Moulage Carry Selected")
+    yield from until(lambda: len(template().moulage.carried) == 1, "the carried mesh")
+    yield from search("Add Attachment")
+    yield from until(lambda: len(template().moulage.attachments) == 1, "the attachment")
+    assert template().moulage.attachments[0].bone == vessel
+    press("Z", ctrl=True)
+    yield from until(lambda: len(template().moulage.attachments) == 0, "undo of the attachment")
+
+
 def session():
     yield from pause(1)
     bpy.ops.object.select_all(action="SELECT")
@@ -235,6 +321,8 @@ def session():
     bpy.ops.wm.obj_import(filepath=str(LIVER / "template.obj"), forward_axis="Y", up_axis="Z")
     bpy.context.view_layer.objects.active = bpy.context.selected_objects[0]
     bpy.context.preferences.view.show_splash = False
+    # The file browser is to be in this window.
+    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     press("ESC")
     yield from pause(0.5)
     yield from open_sidebar()
@@ -248,14 +336,20 @@ def session():
     press("N")
     yield from search("Check Template")
     yield from until(lambda: template().moulage.checked, "the check")
+    assert template().moulage.findings == "", template().moulage.findings
+    yield from search("Fill with Tets")
+    yield from until(lambda: "tets by" in template().moulage.tets_text, "the tets")
     yield from look_at_everything()
-    bpy.ops.moulage.import_markers(filepath=str(LIVER / "markers.csv"))
+    yield from attach_and_carry()
+    yield from choose_file("Import Moulage Markers", LIVER / "markers.csv")
+    yield from until(lambda: template().moulage.markers is not None, "the markers")
     assert len(template().moulage.markers.data.vertices) == 308
     yield from picture("template_and_markers")
 
     yield from landmarks_by_clicks()
     bpy.ops.moulage.remove_landmark(all=True)
-    bpy.ops.moulage.import_landmarks(filepath=str(LIVER / "landmarks.csv"))
+    yield from choose_file("Import Moulage Landmarks", LIVER / "landmarks.csv")
+    yield from until(lambda: len(template().moulage.landmarks) == 4, "the landmarks")
     template().moulage.tolerance, template().moulage.landmark_tolerance = 0.3, 15.0
     # Fewer tets than usual: the session is about the window.
     template().moulage.tet_count = 5000
@@ -282,11 +376,16 @@ def session():
     yield from until(lambda: not running(), "the end of the second run", RUN_LIMIT)
     assert template().moulage.result.mean_distance < 1.0, template().moulage.result.mean_distance
     yield from picture("result")
-    bpy.ops.moulage.show_heat_map(kind="DISTANCE")
-    yield from picture("heat_map_distance")
-    bpy.ops.moulage.show_heat_map(kind="STRETCH")
-    yield from picture("heat_map_stretch")
-    bpy.ops.moulage.show_heat_map(kind="NONE")
+    assert bpy.data.objects["vessel"].data.shape_keys.key_blocks["Reshaped"].value == 1
+    for kind in ("DISTANCE", "STRETCH", "NONE"):
+        yield from search(f"Show Heat Map {kind}")
+        yield from until(lambda: template().moulage.heat == kind, f"the heat map {kind}")
+        if kind != "NONE":
+            yield from picture(f"heat_map_{kind.lower()}")
+    yield from search("Copy Result")
+    yield from until(lambda: "template reshaped" in bpy.data.objects, "the copy")
+    press("Z", ctrl=True)
+    yield from until(lambda: "template reshaped" not in bpy.data.objects, "undo of the copy")
 
     yield from scan_by_clicks()
     template().moulage.markers = bpy.data.objects["markers"]
@@ -314,6 +413,67 @@ def session():
     yield from pause(1)
     assert not running() and template() is not None
     yield from picture("enabled_again")
+    yield from skeleton_by_clicks()
+
+
+def skeleton():
+    return bpy.context.scene.moulage.skeleton
+
+
+def look_at(objects):
+    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+        bpy.ops.object.select_all(action="DESELECT")
+        for ob in objects:
+            ob.select_set(True)
+        bpy.ops.view3d.view_axis(type="RIGHT")
+        bpy.ops.view3d.view_selected()
+        bpy.ops.object.select_all(action="DESELECT")
+    yield from pause(0.5)
+
+
+def skeleton_by_clicks():
+    """The hand: file, panel, registration with live view, stop, undo, the person's armature."""
+    for ob in list(bpy.data.objects):
+        bpy.data.objects.remove(ob)
+    for collection in list(bpy.data.collections):
+        bpy.data.collections.remove(collection)
+    yield from pause(0.5)
+    yield from choose_file("Import Moulage Skeleton", HAND / "skeleton.json")
+    yield from until(lambda: skeleton() is not None, "the skeleton")
+    bpy.ops.import_mesh.ply(filepath=str(HAND / "target_surface.ply"))
+    skeleton().moulage_skeleton.target = bpy.context.object
+    side = region("UI")
+    # The tab, and below the panels Template and Scan the header of the panel.
+    yield from click(side.x + side.width - 12, side.y + side.height - 167)
+    yield from pause(0.5)
+    yield from click(side.x + 55, side.y + side.height - 259)
+    yield from look_at(bpy.data.objects)
+    yield from picture("skeleton_start")
+    bpy.ops.ed.undo_push(message="ready")
+
+    yield from search("Register Skeleton")
+    yield from until(running, "the registration")
+    yield from until(lambda: any("(so far)" in ob.name for ob in bpy.data.objects), "the live view")
+    skeleton().moulage_skeleton.target.hide_set(True)
+    yield from picture("skeleton_running")
+    press("ESC")
+    yield from until(lambda: not running(), "the end after Esc")
+    own = skeleton().moulage_skeleton.person
+    assert own.moulage_skeleton.result.ending.startswith("Stopped"), own.moulage_skeleton.result.ending
+    press("Z", ctrl=True)
+    yield from until(lambda: skeleton().moulage_skeleton.person is None, "undo")
+    assert not any("person" in ob.name for ob in bpy.data.objects)
+
+    yield from search("Register Skeleton")
+    yield from until(running, "the second registration")
+    yield from until(lambda: not running(), "the end of the registration", RUN_LIMIT)
+    own = skeleton().moulage_skeleton.person
+    assert own.moulage_skeleton.result.mean_residual < 0.05
+    bpy.context.view_layer.update()
+    for ob in [skeleton(), *skeleton().children, skeleton().moulage_skeleton.target]:
+        ob.hide_set(True)
+    yield from look_at(own.children)
+    yield from picture("skeleton")
 
 
 MODULE = ""
