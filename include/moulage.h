@@ -1323,6 +1323,18 @@ MlgStatus mlg_reshaping_start(const MlgReshaping *problem,
                               MlgError *error);
 
 /**
+ * Starts a reshaping from the shape of an earlier result: the quick way after a landmark was moved,
+ * markers came or went. `problem` must have the template and tets of the earlier one, `options` the
+ * same values; else the run fails with a sentence. The earlier result may be freed at once. All
+ * else is as for `mlg_reshaping_start`.
+ */
+MlgStatus mlg_reshaping_start_again(const MlgReshapingResult *earlier,
+                                    const MlgReshaping *problem,
+                                    const MlgReshapingOptions *options,
+                                    MlgRun **out_run,
+                                    MlgError *error);
+
+/**
  * Waits for the end of a reshaping and hands its result over, once. A cancelled run gives its best
  * shape so far, marked by `stop` in its summary, or `MLG_STATUS_CANCELLED` if it had none yet. Free
  * the result with `mlg_reshaping_result_free`, and the run with `mlg_run_free`.

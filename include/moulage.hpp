@@ -355,6 +355,13 @@ public:
         call(mlg_reshaping_start, as_const(), &options, &run);
         return Run(run);
     }
+    /** From the shape of an earlier result for the same template and options. */
+    Run start_again(const ReshapingResult &earlier,
+                    const MlgReshapingOptions &options = reshaping_options()) const {
+        MlgRun *run = nullptr;
+        call(mlg_reshaping_start_again, earlier.as_const(), as_const(), &options, &run);
+        return Run(run);
+    }
     ReshapingResult run(const MlgReshapingOptions &options = reshaping_options()) const {
         return start(options).wait();
     }

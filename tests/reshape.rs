@@ -4,7 +4,7 @@
 use moulage::math::{Mat3, Vec3};
 use moulage::mesh::TriMesh;
 use moulage::reshape::{
-    Landmark, Marker, Options, Problem, Reshaped, Stop, TemplatePoint, reshape,
+    Landmark, Marker, Options, Problem, Reshaped, Stop, TemplatePoint, reshape, reshape_again,
 };
 use moulage::tetrahedralize::{self, Method, tetrahedralize};
 use moulage::{Run, TetMesh};
@@ -128,6 +128,53 @@ fn bits_do_not_depend_on_threads() {
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(5));
+}
+
+#[test]
+fn a_moved_landmark_is_followed_from_the_earlier_shape() {
+    let mut problem = paired(1.0, |p| *p);
+    let first = solve(&problem);
+    problem.landmarks[3].target += Vec3::new(0.0, 0.0, 0.15);
+    let again =
+        |problem: &Problem, options: &Options| reshape_again(&first, problem, options, &Run::new());
+    let followed = again(&problem, &Options::default()).unwrap();
+    let anew = solve(&problem);
+    let moved = largest_difference(&anew.surface_points, first.surface_points.iter().copied());
+    let difference =
+        largest_difference(&followed.surface_points, anew.surface_points.iter().copied());
+    assert!(moved > 0.05 && difference < 0.1 * moved, "{difference} after {moved}");
+    assert!(followed.summary.iterations.len() < anew.summary.iterations.len());
+    assert_eq!(inverted(&problem, &followed), 0);
+
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| again(&problem, &Options::default()).unwrap()).surface_points
+    };
+    assert_eq!(with(1), followed.surface_points);
+    assert_eq!(with(2), followed.surface_points);
+
+    let other = Options { smoothness: 0.2, ..Options::default() };
+    assert!(again(&problem, &other).unwrap_err().to_string().contains("other options"));
+    problem.surface.points[0].x += 0.1;
+    let error = again(&problem, &Options::default()).unwrap_err();
+    assert!(error.to_string().contains("another template"));
+}
+
+#[test]
+fn thousands_of_markers_are_met_as_well_as_hundreds() {
+    let mut problem = problem(1.0, |p| *p);
+    for k in 0..3000_u32 {
+        // Points of the true surface all over, from a low-discrepancy sequence on the sphere.
+        let (z, turn) = (1.0 - (2.0 * f64::from(k) + 1.0) / 3000.0, 2.399_963 * f64::from(k));
+        let r = (1.0 - z * z).sqrt();
+        let p = Vec3::new(r * turn.cos(), r * turn.sin(), z);
+        problem.markers.push(Marker { position: truth(&p), weight: 1.0 });
+    }
+    let many = solve(&problem);
+    let last = many.summary.iterations.last().unwrap();
+    // The ball's flat triangles lie within .02 of the sphere.
+    assert!(last.mean_marker_distance < 0.02, "{}", last.mean_marker_distance);
+    assert_eq!(inverted(&problem, &many), 0);
 }
 
 #[test]

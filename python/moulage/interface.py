@@ -242,6 +242,7 @@ CALLS = {
     "reshaping_set_fixed": (_HANDLE, _ARRAY, _COUNT, _ERROR),
     "reshaping_check": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
     "reshaping_start": (_HANDLE, POINTER(MlgReshapingOptions), _OUT, _ERROR),
+    "reshaping_start_again": (_HANDLE, _HANDLE, POINTER(MlgReshapingOptions), _OUT, _ERROR),
     "run_poll": (_HANDLE, POINTER(MlgProgress), _ERROR),
     "run_preview_points": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
     "run_wait_tetrahedralization": (_HANDLE, _OUT, _ERROR),

@@ -64,6 +64,13 @@ class Reshaping(Handle):
         run = native.make("reshaping_start", self._handle, options)
         return Run(run, "run_wait_reshaping", ReshapingResult)
 
+    def start_again(self, earlier, **options):
+        """Starts from the shape of an earlier ReshapingResult for the same template and options: the quick way after a
+        landmark was moved, markers came or went. Returns the Run."""
+        options = native.options("reshaping", interface.MlgReshapingOptions(), options)
+        run = native.make("reshaping_start_again", earlier._handle, self._handle, options)
+        return Run(run, "run_wait_reshaping", ReshapingResult)
+
     def run(self, progress=None, **options):
         """Reshapes and returns the result. `progress(Progress)` is called five times a second; when
         it returns False the run stops and the best shape so far is the result."""

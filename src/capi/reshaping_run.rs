@@ -5,7 +5,7 @@ use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options
 use super::result::{MlgReshapingResult, ReshapingResult};
 use super::run::{MlgRun, RunObject, in_pool, wait_for};
 use super::{buffers, handles};
-use crate::reshape::{Options, Problem, reshape};
+use crate::reshape::{Options, Problem, reshape, reshape_again};
 use crate::run::Run;
 
 fn compute(problem: Problem, options: &Options, run: &Run) -> Outcome<ReshapingResult> {
@@ -31,6 +31,34 @@ pub unsafe extern "C" fn mlg_reshaping_start(
         let (options, thread_count) = unsafe { options_of(options)? };
         let run = RunObject::start("a reshaping", thread_count, move |run| {
             compute(problem, &options, run)
+        })?;
+        // SAFETY: as above.
+        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+    })
+}
+
+/// Starts a reshaping from the shape of an earlier result: the quick way after a landmark was moved,
+/// markers came or went. `problem` must have the template and tets of the earlier one, `options` the
+/// same values; else the run fails with a sentence. The earlier result may be freed at once. All
+/// else is as for `mlg_reshaping_start`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_start_again(
+    earlier: *const MlgReshapingResult,
+    problem: *const MlgReshaping,
+    options: *const MlgReshapingOptions,
+    out_run: *mut *mut MlgRun,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_run, "out_run")?;
+        let earlier = handles::get::<ReshapingResult, _>(earlier, "earlier")?;
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
+        problem.check()?;
+        // SAFETY: the caller's promise (see the module).
+        let (options, thread_count) = unsafe { options_of(options)? };
+        let run = RunObject::start("a reshaping", thread_count, move |run| {
+            let reshaped = reshape_again(earlier.reshaped(), &problem, &options, run)?;
+            Ok(ReshapingResult::new(problem, reshaped, run.progress().seconds))
         })?;
         // SAFETY: as above.
         unsafe { buffers::write(out_run, handles::give(run), "out_run") }

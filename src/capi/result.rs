@@ -75,6 +75,10 @@ impl ReshapingResult {
         Self { problem, reshaped, marker_distances, stretches, seconds }
     }
 
+    pub fn reshaped(&self) -> &Reshaped {
+        &self.reshaped
+    }
+
     fn summary(&self) -> MlgReshapingSummary {
         let stop = match self.reshaped.summary.stop {
             Stop::Settled => MlgStop::Settled,

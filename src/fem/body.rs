@@ -26,7 +26,7 @@ impl MaterialPoint {
 
 /// A spring of zero length between a point of the body and a fixed target. The point's vertices
 /// must share one tet. Energy stiffness/2 |x - target|^2.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// The point that is held.
     pub point: MaterialPoint,

@@ -1,6 +1,7 @@
 //! A template follows markers through optimized plastic strains (Wang, Matcuk, Barbic 2021).
 
 mod affine_start;
+mod again;
 mod coverage;
 mod damping;
 mod evidence;
@@ -17,6 +18,7 @@ mod summary;
 mod trial;
 mod woodbury;
 
+pub use again::reshape_again;
 pub use gauss_newton::{Direction, NormalEquations};
 pub use linearization::Linearization;
 pub use options::Options;

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 
 /// Options of a reshaping. Lengths are in the template's unit; `None` takes a default relative to
 /// the template's size, so that millimetres, metres and Blender units give the same shape.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// How far a marker may be off: its noise. The result is the smoothest shape that explains the
     /// markers to about this. Default: the template's diagonal / 1000.

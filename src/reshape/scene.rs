@@ -1,5 +1,7 @@
 //! A problem in the solver's own units: centred, scaled to volume 1, Young's modulus 1.
 
+use std::sync::Arc;
+
 use crate::error::Result;
 use crate::fem::{Body, MaterialPoint, Spring};
 use crate::locate::{ClosestPoints, Embedding, NearestPoints};
@@ -7,6 +9,7 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
+use super::again::Earlier;
 use super::coverage::Coverage;
 use super::marker_groups::{MarkerGroup, marker_groups};
 use super::numbering::Numbering;
@@ -34,6 +37,9 @@ const SCREENING: [f64; 2] = [0.1, 0.3];
 const BARRIER_START: f64 = 0.3;
 const BARRIER_STRENGTH: f64 = 1.0;
 
+/// The body with its material.
+pub type Tissue = Body<InversionBarrier<StableNeoHookean>>;
+
 /// A paired point.
 pub struct Pair {
     /// The point of the body.
@@ -51,9 +57,9 @@ pub struct Scene {
     /// The solver's origin in the template's frame.
     pub center: Vec3,
     /// The order of the vertices here and in the problem.
-    pub numbering: Numbering,
+    pub numbering: Arc<Numbering>,
     /// The elastic body; its first springs belong to the attachments, in order.
-    pub body: Body<InversionBarrier<StableNeoHookean>>,
+    pub body: Arc<Tissue>,
     /// Each surface vertex in the tets.
     pub embedding: Embedding,
     /// The surface's triangles.
@@ -79,8 +85,9 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Scales and embeds a checked problem.
-    pub fn new(problem: &Problem, options: &Options) -> Result<Self> {
+    /// Scales and embeds a checked problem. What does not change from an earlier problem with the same
+    /// template and options is taken from there.
+    pub fn new(problem: &Problem, options: &Options, earlier: Option<&Earlier>) -> Result<Self> {
         let volume: f64 = problem
             .inside_fraction
             .iter()
@@ -91,7 +98,8 @@ impl Scene {
         let points = &problem.surface.points;
         let center = points.iter().sum::<Vec3>() / points.len() as f64;
         let inward = |p: &Vec3| (p - center) / length;
-        let numbering = Numbering::new(&problem.tets);
+        let numbering =
+            earlier.map_or_else(|| Numbering::new(&problem.tets).into(), |e| e.numbering.clone());
         let template_tets = numbering.renumbered(&problem.tets);
         let surface_embedding = numbering.renumbered_embedding(&problem.embedding);
         let pairs = |list: &[Landmark]| -> Result<Vec<Pair>> {
@@ -102,7 +110,12 @@ impl Scene {
                     TemplatePoint::Position(p) => p,
                 })
                 .collect();
-            let embedding = Embedding::new(&template_tets, &positions)?;
+            let anywhere = list.iter().any(|l| matches!(l.template, TemplatePoint::Position(_)));
+            let embedding = if anywhere {
+                Embedding::new(&template_tets, &positions)?
+            } else {
+                Embedding::default()
+            };
             let pair = |(i, l): (usize, &Landmark)| {
                 let point = match l.template {
                     TemplatePoint::Vertex(v) => embedded(&surface_embedding, v as usize),
@@ -127,7 +140,7 @@ impl Scene {
         } else {
             SOFT_TOTAL / attachments.len().max(1) as f64
         };
-        let springs = attachments
+        let springs: Vec<Spring> = attachments
             .iter()
             .map(|pair| spring(pair, soft))
             .chain(fixed.iter().map(|pair| spring(pair, FIRM)))
@@ -146,10 +159,9 @@ impl Scene {
         } else {
             None
         };
-        Ok(Self {
-            length,
-            center,
-            body: Body::new(
+        let body = match earlier.filter(|e| e.body.springs == springs) {
+            Some(earlier) => earlier.body.clone(),
+            None => Arc::new(Body::new(
                 TetMesh {
                     points: template_tets.points.iter().map(inward).collect(),
                     tets: template_tets.tets,
@@ -160,7 +172,12 @@ impl Scene {
                     BARRIER_STRENGTH,
                 ),
                 springs,
-            )?,
+            )?),
+        };
+        Ok(Self {
+            length,
+            center,
+            body,
             numbering,
             embedding: surface_embedding,
             surface_tree: ClosestPoints::new(

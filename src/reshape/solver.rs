@@ -1,5 +1,7 @@
 //! The outer loop: correspond, linearise, step, until the markers are met.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -9,6 +11,7 @@ use crate::math::{Mat3, Sym3, Vec3};
 use crate::run::Run;
 
 use super::affine_start::affine_start;
+use super::again::Earlier;
 use super::damping::Damping;
 use super::evidence::{Contact, Weights, representatives, rows};
 use super::gauss_newton::{Direction, NormalEquations};
@@ -50,6 +53,8 @@ pub struct Reshaped {
     pub plastic_strain: Vec<Mat3>,
     /// What happened.
     pub summary: Summary,
+    /// For [`super::reshape_again`].
+    pub(super) earlier: Arc<Earlier>,
 }
 
 /// A plastic strain and the shape in equilibrium with it.
@@ -65,8 +70,8 @@ pub struct Solver<'a> {
     pub space: StrainSpace,
     options: &'a Options,
     run: &'a Run,
-    smoothness: StrainSmoothness,
-    anchor: Vec<Sym3>,
+    smoothness: Arc<StrainSmoothness>,
+    anchor: Arc<Vec<Sym3>>,
     damping: Damping,
     summary: Summary,
 }
@@ -97,14 +102,14 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     run.enter("preparing", 0.0);
     let (mut solver, state) = Solver::start(problem, options, run)?;
     let state = solver.minimize(state)?;
-    Ok(solver.finish(&state))
+    Ok(solver.finish(state, problem))
 }
 
 impl<'a> Solver<'a> {
     /// The first state: constant strain for a free body, statics for a held one.
     fn start(problem: &Problem, options: &'a Options, run: &'a Run) -> Result<(Self, State)> {
-        let scene = Scene::new(problem, options)?;
-        let space = if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM };
+        let scene = Scene::new(problem, options, None)?;
+        let space = strain_space(options);
         let carriers = space.carriers(scene.body.mesh.points.len(), scene.body.mesh.tets.len());
         let (strain, x) = if scene.body.is_free() {
             let start = affine_start(&scene);
@@ -128,16 +133,44 @@ impl<'a> Solver<'a> {
             space,
             options,
             run,
-            smoothness,
-            anchor,
+            smoothness: smoothness.into(),
+            anchor: anchor.into(),
             damping: Damping::default(),
             summary: Summary::default(),
         };
-        let s = solver.anchor.clone();
-        let plastic = solver.plastic(&s);
-        let equilibrium = solver.scene.body.equilibrate(x, &plastic, &START)?;
-        solver.summary.newton_steps += equilibrium.steps;
-        Ok((solver, State { s, x: equilibrium.x }))
+        let s = solver.anchor.to_vec();
+        let state = solver.equilibrium(s, x)?;
+        Ok((solver, state))
+    }
+
+    /// The state of an earlier run.
+    pub(super) fn again(
+        problem: &Problem,
+        earlier: &'a Earlier,
+        run: &'a Run,
+    ) -> Result<(Self, State)> {
+        let options = &earlier.options;
+        let mut solver = Self {
+            scene: Scene::new(problem, options, Some(earlier))?,
+            space: strain_space(options),
+            options,
+            run,
+            smoothness: earlier.smoothness.clone(),
+            anchor: earlier.anchor.clone(),
+            damping: earlier.damping,
+            summary: Summary::default(),
+        };
+        let State { s, x } = earlier.state.clone();
+        let state = solver.equilibrium(s, x)?;
+        Ok((solver, state))
+    }
+
+    /// The shape in equilibrium with the strain `s`, from a shape near by.
+    fn equilibrium(&mut self, s: Vec<Sym3>, x: Vec<Vec3>) -> Result<State> {
+        let plastic = self.plastic(&s);
+        let equilibrium = self.scene.body.equilibrate(x, &plastic, &START)?;
+        self.summary.newton_steps += equilibrium.steps;
+        Ok(State { s, x: equilibrium.x })
     }
 
     /// Gauss-Newton with a growing weight of the markers.
@@ -163,6 +196,28 @@ impl<'a> Solver<'a> {
             }
             if decrease.unwrap_or(0.0) < LEVEL_DECREASE {
                 scale = (scale * DATA_SCALE_GROWTH).min(1.0);
+            }
+        }
+    }
+
+    /// Gauss-Newton at the full weight of the data, until a step gains less than the share `least`.
+    pub(super) fn settle(&mut self, mut state: State, least: f64) -> Result<State> {
+        loop {
+            self.record(&state, 1.0);
+            if let Some(stop) = self.interruption() {
+                self.summary.stop = stop;
+                return Ok(state);
+            }
+            let accepted = self.step(&state, 1.0)?;
+            let decrease = accepted.as_ref().map(|(_, decrease)| *decrease);
+            if let Some((next, _)) = accepted {
+                state = next;
+            }
+            if decrease.is_none_or(|decrease| decrease < least) {
+                self.record(&state, 1.0);
+                // A settled start has no better step, and that is no fault.
+                self.summary.stop = self.verdict(true);
+                return Ok(state);
             }
         }
     }
@@ -264,7 +319,7 @@ impl<'a> Solver<'a> {
     }
 
     pub fn prior(&self, s: &[Sym3]) -> f64 {
-        let u: Vec<Sym3> = s.iter().zip(&self.anchor).map(|(s, a)| s - a).collect();
+        let u: Vec<Sym3> = s.iter().zip(self.anchor.iter()).map(|(s, a)| s - a).collect();
         self.smoothness.energy(&u)
     }
 
@@ -318,15 +373,30 @@ impl<'a> Solver<'a> {
             .then_some(Stop::IterationLimit)
     }
 
-    fn finish(self, state: &State) -> Reshaped {
+    pub(super) fn finish(self, state: State, problem: &Problem) -> Reshaped {
         let tet_points = self.scene.outward(&state.x);
         Reshaped {
             surface_points: self.scene.embedding.apply(&tet_points),
             tet_points: self.scene.numbering.restore(&tet_points),
             plastic_strain: self.plastic_strain(&state.s),
             summary: self.summary,
+            earlier: Arc::new(Earlier {
+                options: self.options.clone(),
+                rest_surface: problem.surface.points.clone(),
+                rest_tets: problem.tets.clone(),
+                numbering: self.scene.numbering,
+                body: self.scene.body,
+                smoothness: self.smoothness,
+                anchor: self.anchor,
+                state,
+                damping: self.damping,
+            }),
         }
     }
+}
+
+fn strain_space(options: &Options) -> StrainSpace {
+    if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM }
 }
 
 /// Smallest share of a tet's volume that counts for the smoothness: nearly empty boundary tets

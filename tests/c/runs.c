@@ -80,6 +80,46 @@ static void polling_and_two_at_once(uint32_t tet_count) {
     mlg_run_free(second);
 }
 
+static void again_after_a_landmark_moved(uint32_t tet_count) {
+    double points[3 * POINTS], place[3], target[3];
+    MlgReshaping *problem = sphere_problem(points, tet_count), *other;
+    MlgReshapingResult *first = NULL, *second = NULL;
+    MlgReshapingOptions options;
+    MlgRun *run = NULL;
+    MlgError error;
+    int k;
+    CHECK(mlg_reshaping_run(problem, NULL, &first, NULL) == MLG_STATUS_OK);
+    for (k = 0; k < 3; k++) {
+        place[k] = points[k];
+        target[k] = 1.1 * mlg_reshaping_result_points(first, NULL)[k];
+    }
+    CHECK(mlg_reshaping_set_landmarks(problem, place, target, NULL, 1, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_start_again(first, problem, NULL, &run, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_run_wait_reshaping(run, &second, NULL) == MLG_STATUS_OK);
+    printf("again: %u iterations after %u\n", (unsigned)summary_of(second).iterations,
+           (unsigned)summary_of(first).iterations);
+    CHECK(summary_of(second).iterations <= summary_of(first).iterations);
+    CHECK(summary_of(second).inverted_tets == 0);
+    mlg_run_free(run);
+    mlg_reshaping_result_free(second);
+
+    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
+    options.smoothness *= 2;
+    CHECK(mlg_reshaping_start_again(first, problem, &options, &run, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_run_wait_reshaping(run, &second, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(error.message, "other options") != NULL);
+    mlg_run_free(run);
+    other = sphere_problem(points, 2 * tet_count);
+    CHECK(mlg_reshaping_start_again(first, other, NULL, &run, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_run_wait_reshaping(run, &second, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(error.message, "another template") != NULL);
+    mlg_run_free(run);
+    mlg_reshaping_free(other);
+    mlg_reshaping_result_free(first);
+    CHECK(mlg_reshaping_start_again(first, problem, NULL, &run, NULL) == MLG_STATUS_INVALID_ARGUMENT);
+    mlg_reshaping_free(problem);
+}
+
 /* Cancels after more and more polls, so that every stage is hit. */
 static void cancel_at_every_stage(int times, uint32_t tet_count) {
     double points[3 * POINTS];
@@ -130,6 +170,7 @@ int main(int argc, char **argv) {
     const uint32_t tet_count = quick ? 60 : 1500;
     known_answer(tet_count);
     polling_and_two_at_once(tet_count);
+    again_after_a_landmark_moved(tet_count);
     cancel_at_every_stage(quick ? 2 : 20, quick ? 60 : 800);
     start_cancel_free(quick ? 5 : 1000);
     puts("runs: good");

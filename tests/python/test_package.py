@@ -102,6 +102,18 @@ class Arrays(unittest.TestCase):
         carried = result.carry([[0.5, 0.5, 0.5]])
         numpy.testing.assert_allclose(carried, [[0.75, 0.5, 0.5]], atol=0.05)
 
+    def test_a_moved_landmark_is_followed_from_the_earlier_result(self):
+        wish = self.points * (1.5, 1, 1)
+        problem = moulage.Reshaping(self.tets)
+        problem.set_landmarks_at_vertices(range(8), wish)
+        earlier = problem.run(landmark_tolerance=0.01)
+        wish[-1] += (0.2, 0, 0)
+        problem.set_landmarks_at_vertices(range(8), wish)
+        again = problem.start_again(earlier, landmark_tolerance=0.01).wait()
+        numpy.testing.assert_allclose(again.points, wish, atol=0.05)
+        with self.assertRaisesRegex(moulage.Error, "other options"):
+            problem.start_again(earlier, landmark_tolerance=0.02).wait()
+
     def test_a_run_can_be_stopped_and_keeps_its_best(self):
         surface = moulage.TriMesh.load(LIVER / "template.obj")
         problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))

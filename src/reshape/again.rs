@@ -1,0 +1,66 @@
+//! Reshaping again, from an earlier result: after a landmark was moved, markers came or went.
+//!
+//! Numbering, symbolic factor and smoothness are those of the earlier run, and so are its shape and
+//! strain to begin with. A few steps at the full weight of the data are enough.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::damping::Damping;
+use super::numbering::Numbering;
+use super::options::Options;
+use super::problem::Problem;
+use super::scene::Tissue;
+use super::solver::{Reshaped, Solver, State};
+use crate::error::{Error, Result};
+use crate::fem::StrainSmoothness;
+use crate::math::{Sym3, Vec3};
+use crate::mesh::TetMesh;
+use crate::run::Run;
+
+/// A step that lowers the objective by less than this share is the last.
+const SETTLED: f64 = 0.03;
+
+/// What a result keeps for the next one.
+pub struct Earlier {
+    pub(super) options: Options,
+    pub(super) rest_surface: Vec<Vec3>,
+    pub(super) rest_tets: TetMesh,
+    pub(super) numbering: Arc<Numbering>,
+    pub(super) body: Arc<Tissue>,
+    pub(super) smoothness: Arc<StrainSmoothness>,
+    pub(super) anchor: Arc<Vec<Sym3>>,
+    pub(super) state: State,
+    pub(super) damping: Damping,
+}
+
+impl fmt::Debug for Earlier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Earlier").field("options", &self.options).finish_non_exhaustive()
+    }
+}
+
+/// Reshapes the template of `earlier` for a problem that differs in its markers, landmarks,
+/// attachments or fixed points. Fails for another template or other options, and as
+/// [`super::reshape`] does.
+pub fn reshape_again(
+    earlier: &Reshaped,
+    problem: &Problem,
+    options: &Options,
+    run: &Run,
+) -> Result<Reshaped> {
+    problem.check()?;
+    let earlier = &earlier.earlier;
+    if problem.tets != earlier.rest_tets || problem.surface.points != earlier.rest_surface {
+        return Err(Error::invalid(
+            "the earlier result belongs to another template or other tets; reshape anew",
+        ));
+    }
+    if *options != earlier.options {
+        return Err(Error::invalid("the earlier result had other options; reshape anew"));
+    }
+    run.enter("preparing", 0.0);
+    let (mut solver, state) = Solver::again(problem, earlier, run)?;
+    let state = solver.settle(state, SETTLED)?;
+    Ok(solver.finish(state, problem))
+}
