@@ -16,6 +16,12 @@ const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 const LONG: [&[u8; 2]; 13] =
     [b"OB", b"OD", b"OF", b"OL", b"OV", b"OW", b"SQ", b"SV", b"UC", b"UN", b"UR", b"UT", b"UV"];
 
+/// Value representations with a length of two bytes. All others are read as unknown, with four.
+const SHORT: [&[u8; 2]; 21] = [
+    b"AE", b"AS", b"AT", b"CS", b"DA", b"DS", b"DT", b"FD", b"FL", b"IS", b"LO", b"LT", b"PN",
+    b"SH", b"SL", b"SS", b"ST", b"TM", b"UI", b"UL", b"US",
+];
+
 /// Whether the mark of a DICOM file is there.
 pub(super) fn looks_like_dicom(bytes: &[u8]) -> bool {
     bytes.get(PREAMBLE..PREAMBLE + 4) == Some(b"DICM")
@@ -120,9 +126,10 @@ fn head(bytes: &[u8], at: usize, syntax: Syntax) -> Option<Head> {
         return Some(Head { tag, length: four(at + 4)?, unknown, sequence, value: at + 8 });
     }
     let kind = bytes.get(at + 4..at + 6)?;
-    let known = kind.iter().all(u8::is_ascii_uppercase);
+    let short = SHORT.iter().any(|known| kind == *known);
+    let known = short || LONG.iter().any(|long| kind == *long);
     let (unknown, sequence) = (kind == b"UN" || !known, kind == b"SQ");
-    if !known || LONG.iter().any(|long| kind == *long) {
+    if !short {
         return Some(Head { tag, length: four(at + 8)?, unknown, sequence, value: at + 12 });
     }
     Some(Head { tag, length: u32::from(two(at + 6)?), unknown, sequence, value: at + 8 })
