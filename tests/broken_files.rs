@@ -39,6 +39,11 @@ fn image(kind: usize) -> Reader {
     })
 }
 
+fn skeleton(bytes: &[u8]) -> Result<()> {
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    drop_content(io::skeleton::SkeletonDocument::parse(text, Path::new("a")))
+}
+
 fn binary_ply() -> Vec<u8> {
     let mut bytes = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n\
         property float y\nproperty float z\nelement face 1\n\
@@ -91,6 +96,11 @@ fn cases() -> Vec<Case> {
         <DataArray type="Int32" Name="offsets" format="ascii">4</DataArray>
         <DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells></Piece>
         </UnstructuredGrid></VTKFile>"#;
+    let profiles = r#"{"format":"intensity-profiles","version":1,"step_mm":0.5,"half":1,"values":"AACAPwAAAEAAAEBA"}"#;
+    let skeleton_file = r#"{"format":"anatomical-skeleton","version":1,"bones":[{"name":"a","mesh":"a.obj"},
+        {"name":"b","mesh":"b.obj"}],"joints":[{"name":"ab","parent":"a","child":"b",
+        "limits":{"rot_deg":{"neg":[1,2,3],"pos":[1,null,3]}}}]}"#;
+    let motion = "a\ninDegrees=yes\nendheader\ntime knee\n0 1\n1 2\n";
     let text = |text: &str| text.as_bytes().to_vec();
     vec![
         ("obj", surface("a.obj"), text(obj)),
@@ -128,6 +138,9 @@ fn cases() -> Vec<Case> {
         ("veg", Box::new(move |b| drop_content(io::parse_veg(b, path))), text(veg)),
         ("msh", Box::new(move |b| drop_content(io::parse_gmsh(b, path))), text(msh)),
         ("vtu", Box::new(move |b| drop_content(io::parse_vtu(b, path))), text(vtu)),
+        ("profiles", Box::new(move |b| drop_content(io::parse_profiles(b, path))), text(profiles)),
+        ("skeleton", Box::new(skeleton), text(skeleton_file)),
+        ("motion", Box::new(move |b| drop_content(io::mot::parse_motion(b, path))), text(motion)),
     ]
 }
 
@@ -185,4 +198,16 @@ fn no_damage_makes_a_reader_panic_and_every_error_is_one_sentence() {
             }
         }
     }
+}
+
+/// Found by fuzzing: the DICOM crates read an unknown kind of element with a length of four bytes, and
+/// filled a gigabyte for a file of 400.
+#[test]
+fn a_dicom_element_of_an_unknown_kind_is_checked_with_its_long_length() {
+    let mut file = image_files::single_dicom();
+    let intercept = [0x28, 0, 0x52, 0x10, b'D', b'S'];
+    let at = file.windows(6).position(|w| w == intercept).unwrap();
+    file[at + 5] = b'O';
+    let error = image(3)(&file).unwrap_err().to_string();
+    assert!(error.contains("(0028,1052) claims"), "{error}");
 }

@@ -71,14 +71,17 @@ run_meshlab() {
     bash tests/meshlab/run.sh
 }
 
-# Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.
+# Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts. The library
+# that this builds has AddressSanitizer inside: the C programs run on it as well.
 run_fuzz() {
+    install_debian gcc g++ binutils tetgen
     cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked
     # The sanitizers are not yet stable parts of the compiler.
     export RUSTC_BOOTSTRAP=1
     cargo fuzz build
+    bash tests/c/sanitize.sh
     for target in $(cargo fuzz list); do
-        mkdir -p "fuzz/corpus/$target"
+        mkdir -p "fuzz/corpus/$target" "fuzz/seeds/$target"
         cargo fuzz run "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- \
             -max_total_time="${FUZZ_SECONDS:-20}" -rss_limit_mb=2048 -timeout=10
     done

@@ -65,7 +65,7 @@ pub use pairs::{
 };
 pub use picked_points::{parse_picked_points, write_picked_points};
 pub use ply::{PlyDocument, write_ply};
-pub use profiles::{read_profiles, write_profiles};
+pub use profiles::{parse_profiles, read_profiles, write_profiles};
 pub use stl::{StlDocument, write_stl};
 pub use surface::{SurfaceFile, parse_surface, read_surface, write_surface};
 pub use tetgen_files::parse_tetgen;

@@ -27,8 +27,13 @@ struct File {
 
 /// Reads profiles.
 pub fn read_profiles(path: &Path) -> Result<Profiles> {
+    parse_profiles(&read_bytes(path)?, path)
+}
+
+/// Reads profiles from a file's bytes; `path` is for error messages.
+pub fn parse_profiles(bytes: &[u8], path: &Path) -> Result<Profiles> {
     let wrong = |message: String| Error::parse(path, None, message);
-    let file: File = serde_json::from_slice(&read_bytes(path)?)
+    let file: File = serde_json::from_slice(bytes)
         .map_err(|e| Error::parse(path, e.line(), format!("no profiles: {e}")))?;
     if file.format != FORMAT || file.version != 1 {
         return Err(wrong(format!("the format is '{}', version {}", file.format, file.version)));

@@ -1,0 +1,28 @@
+#![no_main]
+//! Reading skeletons, and what comes with them, from any bytes.
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use moulage::io;
+
+fuzz_target!(|data: &[u8]| {
+    // The first byte chooses the format.
+    let Some((&kind, rest)) = data.split_first() else { return };
+    let path = Path::new("a");
+    let text = std::str::from_utf8(rest).unwrap_or_default();
+    match kind % 5 {
+        0 => {
+            if let Ok(document) = io::skeleton::SkeletonDocument::parse(text, path)
+                && let Ok(written) = document.to_text()
+            {
+                let again = io::skeleton::SkeletonDocument::parse(&written, path);
+                assert!(again.is_ok(), "what is written can be read: {again:?}");
+            }
+        }
+        1 => drop(io::osim::parse_osim(text, path)),
+        2 => drop(io::mot::parse_motion(rest, path)),
+        3 => drop(io::vtp::parse_vtp(text, path)),
+        _ => drop(io::parse_profiles(rest, path)),
+    }
+});
