@@ -15,7 +15,8 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import (
-    menu, operators, overlay, panels, preferences, properties, runs, scan, skeleton_panels, skeleton_properties, solve,
+    live_edit, menu, operators, overlay, panels, preferences, properties, runs, scan, skeleton_panels,
+    skeleton_properties, solve,
 )
 from .library import Wrong
 
@@ -27,6 +28,7 @@ _classes = (
 
 @persistent
 def _before_another_file(*_arguments):
+    live_edit.shut_down()
     runs.shut_down()
     solve.forget()
     scan.forget()
@@ -43,6 +45,12 @@ def _draw_slices(*_arguments):
 
 
 @persistent
+def _after_loading(*_arguments):
+    # Results are not kept in files.
+    bpy.context.window_manager.moulage.live_edit = False
+
+
+@persistent
 def _follow_slices(*_arguments):
     try:
         scan.follow(bpy.context)
@@ -51,7 +59,8 @@ def _follow_slices(*_arguments):
 
 
 _handlers = (
-    ("load_pre", _before_another_file), ("load_post", _draw_slices), ("undo_post", _draw_slices),
+    ("load_pre", _before_another_file), ("load_post", _draw_slices), ("load_post", _after_loading),
+    ("undo_post", _draw_slices),
     ("redo_post", _draw_slices), ("depsgraph_update_post", _follow_slices),
 )
 
@@ -69,6 +78,7 @@ def register():
 
 
 def unregister():
+    live_edit.shut_down()
     runs.shut_down()
     solve.forget()
     overlay.unregister()

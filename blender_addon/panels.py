@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import landmarks, library, properties, runs, scan, units
+from . import landmarks, library, properties, runs, scan, solve, units
 from .library import Wrong
 
 
@@ -311,6 +311,9 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
         for kind, label in (("NONE", "Plain"), ("DISTANCE", "Distance"), ("STRETCH", "Stretch")):
             row.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
         layout.operator("moulage.copy_result", icon="DUPLICATE")
+        row = layout.row()
+        row.enabled = solve.can_go_on(template)
+        row.prop(context.window_manager.moulage, "live_edit", toggle=True, icon="MOD_SIMPLEDEFORM")
 
     def _figures(self, context, layout, kept):
         column = layout.column(align=True)

@@ -8,7 +8,7 @@ from bpy.props import (
     PointerProperty, StringProperty,
 )
 
-from . import scan
+from . import live_edit, scan
 from .library import Wrong
 
 
@@ -235,6 +235,10 @@ class MOULAGE_PG_runtime(bpy.types.PropertyGroup):
     fraction: FloatProperty(subtype="FACTOR", min=0.0, max=1.0)
     stage: StringProperty()
     details: StringProperty()
+    live_edit: BoolProperty(
+        name="Live Editing", update=live_edit.changed,
+        description="The shape follows landmarks and markers while they are moved. It begins at the last result",
+    )
 
 
 classes = (

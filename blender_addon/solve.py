@@ -14,6 +14,8 @@ _LIVE_LIMIT = 500_000
 _CACHE_SIZE = 4
 
 _cache = {}
+# The last result, by its template's uid: what it was made of, and itself. It holds factors: one is enough.
+_results = {}
 
 
 def find_template(uid, name):
@@ -49,8 +51,10 @@ def tets_of(inputs):
 class Solve(Running):
     """A reshaping under way. `progress` holds the latest state."""
 
-    def __init__(self, context, template):
+    def __init__(self, context, template, again=False):
+        """`again`: from the result before, for what was moved since; Wrong if there is none that fits."""
         self.inputs = problem.gather(context, template)
+        self._earlier = _earlier(self.inputs) if again else None
         self._warnings = []
         self._filling = None
         self._before = result.Before(template)
@@ -73,7 +77,10 @@ class Solve(Running):
         reshaping.set_attachments(*inputs.attachments)
         reshaping.set_fixed(inputs.fixed)
         self._warnings = reshaping.check()
-        self._run = reshaping.start(**inputs.options)
+        if self._earlier is None:
+            self._run = reshaping.start(**inputs.options)
+        else:
+            self._run = reshaping.start_again(self._earlier, **inputs.options)
 
     def stop(self):
         super().stop()
@@ -131,6 +138,8 @@ class Solve(Running):
                 raise Wrong(f"The template '{self.inputs.name}' was deleted; its shape is lost.")
             if not result.fits(template, self.inputs):
                 raise Wrong("The template's vertices were changed during the run; run it again.")
+            _results.clear()
+            _results[self.inputs.uid] = self.inputs.key(), self.inputs.options, found
             seconds = time.monotonic() - self.started
             return result.write(context, template, self.inputs, self._before, found, self._warnings, seconds)
         except Wrong:
@@ -149,6 +158,19 @@ class Solve(Running):
         super().close()
 
 
+def _earlier(inputs):
+    key, options, found = _results.get(inputs.uid, (None, None, None))
+    if key != inputs.key() or options != inputs.options:
+        raise Wrong("The template or the settings are others than those of the last run: reshape once more.")
+    return found
+
+
+def can_go_on(template):
+    """Whether there is a result, of this session, to start from."""
+    return template.moulage.uid in _results
+
+
 def forget():
-    """Drops the tets that are kept."""
+    """Drops the tets and results that are kept."""
     _cache.clear()
+    _results.clear()

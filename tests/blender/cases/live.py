@@ -1,0 +1,67 @@
+"""Live editing: the shape follows what is moved."""
+
+import time
+import unittest
+
+import bpy
+from mathutils import Vector
+
+import scenes
+from scenes import part, shape_of
+
+
+class Live(unittest.TestCase):
+    def setUp(self):
+        self.template = scenes.ball_and_markers(tet_count=1500, iterations=15)
+        data = self.template.moulage
+        # Landmarks alone: dense markers would outvote one that moves.
+        data.markers = None
+        for axis in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+            bpy.ops.moulage.add_landmark(template_point=axis, target=scenes.egg([axis])[0])
+        data.landmark_tolerance = 0.01
+        self.tip = max(range(len(self.template.data.vertices)), key=lambda v: self.template.data.vertices[v].co.x)
+        self.state = bpy.context.window_manager.moulage
+
+    def tearDown(self):
+        self.state.live_edit = False
+        part("live_edit").step(bpy.context)
+
+    def steps(self, seconds=60, until=lambda: False):
+        live, end = part("live_edit"), time.monotonic() + seconds
+        while time.monotonic() < end and not until():
+            bpy.context.view_layer.update()
+            self.assertTrue(live.step(bpy.context))
+            time.sleep(0.02)
+
+    def place(self):
+        return Vector(shape_of(self.template)[self.tip].tolist())
+
+    def test_a_moved_landmark_takes_the_shape_along(self):
+        bpy.ops.moulage.reshape()
+        before = self.place()
+        self.state.live_edit = True
+        self.steps(0.3)
+        self.assertFalse(part("runs").is_running(), "nothing was moved")
+        self.template.moulage.landmarks[0].target.location.x += 0.15
+        self.steps(until=lambda: (self.place() - before).x > 0.08)
+        self.assertGreater((self.place() - before).x, 0.08)
+        self.template.moulage.landmarks[0].target.location.x -= 0.15
+        self.steps(until=lambda: abs((self.place() - before).x) < 0.04)
+        self.assertLess(abs((self.place() - before).x), 0.04)
+
+    def test_settings_that_changed_ask_for_a_whole_run(self):
+        bpy.ops.moulage.reshape()
+        self.state.live_edit = True
+        self.steps(0.1)
+        self.template.moulage.tolerance = 0.123
+        self.template.moulage.landmarks[0].target.location.x += 0.1
+        self.steps(10, until=lambda: "reshape once more" in self.template.moulage.result.ending)
+        self.assertIn("reshape once more", self.template.moulage.result.ending)
+
+    def test_it_begins_with_a_result_and_ends_when_it_is_switched_off(self):
+        self.state.live_edit = True
+        self.template.moulage.landmarks[0].target.location.x += 0.1
+        self.steps(0.3)
+        self.assertIsNone(self.template.data.shape_keys)
+        self.state.live_edit = False
+        self.assertFalse(part("live_edit").step(bpy.context))
