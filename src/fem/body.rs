@@ -85,6 +85,11 @@ impl<M: IsotropicDensity> Body<M> {
         &self.pattern
     }
 
+    /// Number of entries of the stiffness factor.
+    pub fn factor_fill(&self) -> usize {
+        self.symbolic.fill()
+    }
+
     /// Corner positions of tet `t` in the shape `x`.
     pub fn corners(&self, x: &[Vec3], t: usize) -> [Vec3; 4] {
         self.mesh.tets[t].map(|v| x[v as usize])

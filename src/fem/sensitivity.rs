@@ -61,6 +61,11 @@ impl Sensitivity {
         self.row_ptr.len() - 1
     }
 
+    /// Number of 6 x 3 blocks.
+    pub fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
     /// z = G^T Y for a row-major Y of 3 rows per vertex and `width` columns; 6 rows per carrier.
     pub fn transpose_multiply(&self, y: &[f64], width: usize, z: &mut [f64]) {
         // The instruction set of the machine, not of the build: four to eight columns at a time.

@@ -61,6 +61,11 @@ impl StrainSmoothness {
         self.singular
     }
 
+    /// Number of entries of the operator's factor.
+    pub fn factor_fill(&self) -> usize {
+        self.factor.fill()
+    }
+
     /// 1/2 u^T R u.
     pub fn energy(&self, u: &[Sym3]) -> f64 {
         let mut sum = 0.0;

@@ -6,7 +6,6 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::damping::Damping;
 use super::numbering::Numbering;
 use super::options::Options;
 use super::problem::Problem;
@@ -19,7 +18,7 @@ use crate::mesh::TetMesh;
 use crate::run::Run;
 
 /// A step that lowers the objective by less than this share is the last.
-const SETTLED: f64 = 0.03;
+const SETTLED: f64 = 0.15;
 
 /// What a result keeps for the next one.
 pub struct Earlier {
@@ -31,7 +30,6 @@ pub struct Earlier {
     pub(super) smoothness: Arc<StrainSmoothness>,
     pub(super) anchor: Arc<Vec<Sym3>>,
     pub(super) state: State,
-    pub(super) damping: Damping,
 }
 
 impl fmt::Debug for Earlier {

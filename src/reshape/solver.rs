@@ -157,7 +157,7 @@ impl<'a> Solver<'a> {
             run,
             smoothness: earlier.smoothness.clone(),
             anchor: earlier.anchor.clone(),
-            damping: earlier.damping,
+            damping: Damping::default(),
             summary: Summary::default(),
         };
         let State { s, x } = earlier.state.clone();
@@ -389,7 +389,6 @@ impl<'a> Solver<'a> {
                 smoothness: self.smoothness,
                 anchor: self.anchor,
                 state,
-                damping: self.damping,
             }),
         }
     }

@@ -133,6 +133,11 @@ impl Drop for Factor {
 }
 
 impl Factor {
+    /// Number of entries of L.
+    pub fn fill(&self) -> usize {
+        self.symbolic.fill()
+    }
+
     /// Solves A x = b for one right-hand side, in place.
     pub fn solve(&self, b: &mut [f64]) {
         self.solve_rows(b, 1);
