@@ -28,10 +28,8 @@ use crate::material::IsotropicDensity;
 use crate::math::Sym3;
 use crate::solve::{SaddleFactor, SaddleSystem};
 
-/// Conjugate gradients end when the error, in the norm of the preconditioner, has fallen to this.
-const REDUCTION: f64 = 1e-8;
-/// Their steps at most; the sum so far is a direction of descent at any time.
-const MAX_STEPS: usize = 60;
+/// Conjugate gradients' steps at most; the sum so far is a direction of descent at any time.
+const MAX_STEPS: usize = 40;
 
 /// A change of the plastic strain and, for a free body, a rigid motion (translation, rotation
 /// vector about the linearization's centre).
@@ -43,24 +41,33 @@ pub struct Direction {
     pub rigid: Option<Vector6<f64>>,
 }
 
+/// Rows that stand for all where these are too many.
+#[derive(Clone, Copy)]
+pub struct Representatives<'a> {
+    /// The rows.
+    pub rows: &'a Rows,
+    /// Conjugate gradients end when the error, in the preconditioner's norm, has fallen to this share.
+    pub reduction: f64,
+}
+
 /// The normal equations of one linearization, for any damping.
 pub struct NormalEquations<'a, M> {
     at: &'a Linearization<'a, M>,
     rows: &'a Rows,
-    representatives: Option<&'a Rows>,
+    representatives: Option<Representatives<'a>>,
     smoothness: &'a StrainSmoothness,
     system: SaddleSystem,
 }
 
 impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
-    /// `representatives`: rows that stand for all where these are too many.
+    /// With `representatives`, for too many rows to be solved directly.
     pub fn new(
         at: &'a Linearization<'a, M>,
         rows: &'a Rows,
-        representatives: Option<&'a Rows>,
+        representatives: Option<Representatives<'a>>,
         smoothness: &'a StrainSmoothness,
     ) -> Self {
-        let few = representatives.unwrap_or(rows);
+        let few = representatives.map_or(rows, |r| r.rows);
         let (half, constants) = at.half_inverse(few, smoothness);
         let mut free = Vec::new();
         if smoothness.is_singular() {
@@ -111,23 +118,23 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     fn iterated_direction(
         &self,
         saddle: &SaddleFactor,
-        few: &Rows,
+        few: Representatives,
         offset: &[Sym3],
         share: f64,
     ) -> Direction {
         let residuals = self.rows.residuals();
         let mut r = self.adjoint(&residuals).minus_of(&self.smoothness.apply(offset));
-        let mut z = self.precondition(saddle, few, &r, share);
+        let mut z = self.precondition(saddle, few.rows, &r, share);
         let mut p = z.clone();
         let mut sum = z.clone().times(0.0);
         let mut rz = r.dot(&z);
-        let goal = REDUCTION * REDUCTION * rz;
+        let goal = few.reduction * few.reduction * rz;
         for _ in 0..MAX_STEPS {
             let ap = self.multiply(&p, share);
             let alpha = rz / p.dot(&ap);
             sum.add(alpha, &p);
             r.add(-alpha, &ap);
-            z = self.precondition(saddle, few, &r, share);
+            z = self.precondition(saddle, few.rows, &r, share);
             let next = r.dot(&z);
             if next.is_nan() || next <= goal {
                 break;

@@ -14,7 +14,7 @@ use super::affine_start::affine_start;
 use super::again::Earlier;
 use super::damping::Damping;
 use super::evidence::{Contact, Weights, representatives, rows};
-use super::gauss_newton::{Direction, NormalEquations};
+use super::gauss_newton::{Direction, NormalEquations, Representatives};
 use super::linearization::Linearization;
 use super::options::Options;
 use super::problem::Problem;
@@ -35,6 +35,9 @@ const SMALL_DECREASE: f64 = 0.01;
 
 /// Pairs of trials before the search for a step is given up.
 const MAX_ROUNDS: i32 = 3;
+
+/// How exact directions for very many markers are; the trials judge them.
+const DIRECTION_REDUCTION: f64 = 0.03;
 
 /// Share of the present objective, times the step's length, that a step must take away.
 const ARMIJO: f64 = 1e-4;
@@ -258,7 +261,9 @@ impl<'a> Solver<'a> {
             let direction = at.woodbury_direction(&rows, &self.smoothness, &state.s, &self.anchor);
             Search::Halving(direction)
         } else {
-            let few = representatives.as_ref();
+            let few = representatives
+                .as_ref()
+                .map(|rows| Representatives { rows, reduction: DIRECTION_REDUCTION });
             Search::Damping(NormalEquations::new(&at, &rows, few, &self.smoothness))
         };
         let mut newton_steps = 0;
