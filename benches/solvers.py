@@ -23,7 +23,7 @@ with tempfile.TemporaryDirectory() as folder:
     matrix = scipy.io.mmread(path).tocsr()
 
 upper = scipy.sparse.triu(matrix, format="csr")
-sides = np.random.default_rng(1).normal(size=(matrix.shape[0], 200))
+sides = np.asfortranarray(np.random.default_rng(1).normal(size=(matrix.shape[0], 200)))
 factoring, solving = [], []
 for _ in range(ROUNDS):
     # 2: real, symmetric, positive definite.
