@@ -413,7 +413,37 @@ def session():
     yield from pause(1)
     assert not running() and template() is not None
     yield from picture("enabled_again")
+    yield from live_by_keys()
     yield from skeleton_by_clicks()
+
+
+def live_by_keys():
+    """Live editing: a landmark of a ball moved by G, X, 1; the shape follows, and comes back by undo."""
+    import scenes
+
+    ball = scenes.ball_and_markers(tet_count=1500, iterations=15)
+    ball.moulage.markers, ball.moulage.landmark_tolerance = None, 0.01
+    for axis in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+        bpy.ops.moulage.add_landmark(template_point=axis, target=scenes.egg([axis])[0])
+    bpy.context.view_layer.objects.active = ball
+    yield from search("Moulage Reshape")
+    yield from until(running, "the run of the ball")
+    yield from until(lambda: not running(), "its end", RUN_LIMIT)
+
+    def length():
+        return max(p.co.x for p in template().data.shape_keys.key_blocks["Reshaped"].data)
+
+    before = length()
+    bpy.context.window_manager.moulage.live_edit = True
+    yield from pause(1)
+    select(ball.moulage.landmarks[0].target)
+    press("G")
+    yield from keys("X", "ONE", "RET")
+    yield from until(lambda: length() > before + 0.5, "the shape that follows the landmark", RUN_LIMIT)
+    press("Z", ctrl=True)
+    yield from until(lambda: abs(length() - before) < 0.2, "the shape after undo", RUN_LIMIT)
+    bpy.context.window_manager.moulage.live_edit = False
+    yield from until(lambda: not running(), "the end of live editing")
 
 
 def skeleton():
