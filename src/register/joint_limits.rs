@@ -38,7 +38,7 @@ impl JointLimits {
     }
 
     /// Half axes of the octant that `r` lies in.
-    fn half_axes(&self, r: &Vec3) -> Vec3 {
+    pub(super) fn half_axes(&self, r: &Vec3) -> Vec3 {
         Vec3::from_fn(|k, _| if r[k] < 0.0 { self.negative[k] } else { self.positive[k] })
     }
 
@@ -62,9 +62,14 @@ impl JointLimits {
     ///
     /// The paper prints -(pi + theta) u for the equivalent, which is another rotation.
     pub fn nearest_admissible(&self, r: &Vec3) -> Vec3 {
+        self.closest(&self.nearer_vector(r))
+    }
+
+    /// Of `r` and its equivalent the one that lies nearer to the ellipsoid.
+    pub(super) fn nearer_vector(&self, r: &Vec3) -> Vec3 {
         let other = equivalent(r);
-        let (near, far) = (self.closest(r), self.closest(&other));
-        if (far - other).norm() < (near - r).norm() { far } else { near }
+        let far = |v: &Vec3| (self.closest(v) - v).norm();
+        if far(&other) < far(r) { other } else { *r }
     }
 
     /// Closest point of the solid ellipsoid to `r`.

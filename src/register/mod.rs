@@ -21,6 +21,8 @@ mod levels;
 mod neighbours;
 pub mod options;
 pub mod pose;
+pub mod pose_at_once;
+mod pose_rows;
 mod pose_starts;
 mod prealign;
 pub mod registration;

@@ -143,7 +143,7 @@ fn clamp(limits: &JointLimits, transform: &Isometry3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(shift * scale), UnitQuaternion::from_scaled_axis(r))
 }
 
-fn is_valid(joint: &Joint, moments: &[BoneMoments], now: &[Isometry3<f64>]) -> bool {
+pub(super) fn is_valid(joint: &Joint, moments: &[BoneMoments], now: &[Isometry3<f64>]) -> bool {
     let state = limit_state(&joint.limits, &joint.transform(&now[joint.parent], &now[joint.child]));
     let reach = (joint.parent_frame.translation.vector - moments[joint.parent].centre).norm();
     state.rotation_excess <= ANGLE_TOLERANCE
@@ -247,6 +247,7 @@ mod tests {
     use super::*;
     use crate::locate::test_shapes::Noise;
     use crate::register::areas::vertex_areas;
+    use crate::register::pose_at_once::nearest_pose;
     use crate::register::skeleton::tests::{block, joint_at};
 
     /// A ring of five bones joined to a loop, with a sixth on a hinge; each joint with its limits.
@@ -317,10 +318,10 @@ mod tests {
             let ten = project_pose(&skeleton, &moments, &targets, 10);
             let after = worst(&skeleton, &ten.transforms);
             assert!(before.0 > 3.0 && after.0 < 1.5 && after.1 < 0.2, "{before:?} {after:?}");
-            // A bare ring of tight joints converges slowly; a hand is inside after some ten sweeps.
-            let many = project_pose(&skeleton, &moments, &targets, 400);
+            // Sweeps crawl around a bare ring of tight joints.
+            let many = nearest_pose(&skeleton, &moments, &targets, 10, 10);
             let late = worst(&skeleton, &many.transforms);
-            assert!(late.0 < 0.2 && late.1 < 0.02 && late.0 < 0.5 * after.0, "{late:?}");
+            assert!(late.0 < 1e-4 && late.1 < 1e-6, "{late:?}");
             for t in &many.transforms {
                 let r = t.rotation.to_rotation_matrix().into_inner();
                 assert!((r.transpose() * r - Mat3::identity()).norm() < 1e-12);

@@ -16,7 +16,8 @@ use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
 use super::levels::Level;
 use super::options::{Options, Schedule};
-use super::pose::{BoneMoments, project_pose, rigid_targets, settle_tree};
+use super::pose::{BoneMoments, rigid_targets, settle_tree};
+use super::pose_at_once::nearest_pose;
 use super::shape_model::ShapeModel;
 use super::skeleton::{Joint, Skeleton};
 use super::start::START_SPACING;
@@ -29,8 +30,8 @@ use crate::run::Run;
 /// Weight of a vertex without a pair against one with a pair of the same area: it holds its place
 /// only where nothing else does.
 const UNSEEN_WEIGHT: f64 = 1e-6;
-/// Sweeps over the joints at the end, so that loops close as well.
-const FINAL_SWEEPS: usize = 100;
+/// Steps for all joints at once at the end, so that loops close as well.
+const FINAL_STEPS: usize = 30;
 
 /// A template prepared for registration to many targets.
 #[derive(Clone, Debug)]
@@ -213,17 +214,18 @@ impl Registration {
                 put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
             take_shape(&mut state.reference, placed, &self.areas);
         }
-        let motions = self.pose(&state.reference, wanted, masses, self.options.joint_sweeps);
+        let motions = self.pose(&state.reference, wanted, masses, 0);
         state.reference.move_bones(&motions);
     }
 
-    /// The motions that carry the reference bones to `wanted` under the joints' limits.
+    /// The motions that carry the reference bones to `wanted` under the joints' limits: sweeps, then
+    /// `steps` for all joints at once.
     fn pose(
         &self,
         reference: &Skeleton,
         wanted: &[Vec3],
         masses: &[f64],
-        sweeps: usize,
+        steps: usize,
     ) -> Vec<Isometry3<f64>> {
         let whole = whole_motion(&reference.points, wanted, masses);
         let targets: Vec<Isometry3<f64>> =
@@ -234,7 +236,8 @@ impl Registration {
         if !self.options.use_joints {
             return targets;
         }
-        project_pose(reference, &moments(reference, masses), &targets, sweeps).transforms
+        let moments = moments(reference, masses);
+        nearest_pose(reference, &moments, &targets, self.options.joint_sweeps, steps).transforms
     }
 
     fn largest_bone_move(&self, before: &[Vec3], after: &[Vec3]) -> f64 {
@@ -263,7 +266,7 @@ impl Registration {
         for joint in &mut reference.joints {
             joint.limits.shift *= self.options.seat_factor.max(1.0);
         }
-        let mut motions = self.pose(&reference, &points, &self.areas, FINAL_SWEEPS);
+        let mut motions = self.pose(&reference, &points, &self.areas, FINAL_STEPS);
         if self.options.use_joints {
             settle_tree(&reference, self.root, &mut motions);
         }
