@@ -48,9 +48,20 @@ pub struct Correspondences {
     pub mean_distance: f64,
     /// Root mean square distance of all pairs, dropped ones too, weighted by area.
     pub rms_distance: f64,
+    /// Unit normals of the present shape.
+    pub normals: Vec<Vec3>,
 }
 
 impl Correspondences {
+    /// Adds `share` of the part of `drift`, the last movement of every vertex, that runs along the
+    /// surface. Closest points hardly pull a bone along its own surface; this keeps it going where it
+    /// slides.
+    pub fn slide_on(&mut self, drift: impl Iterator<Item = Vec3>, share: f64) {
+        for ((wanted, normal), drift) in self.wanted.iter_mut().zip(&self.normals).zip(drift) {
+            *wanted += share * (drift - normal * normal.dot(&drift));
+        }
+    }
+
     /// Root mean square distance of all pairs of some vertices; NaN without pairs.
     pub fn rms_over(&self, vertices: Range<usize>) -> f64 {
         let squares: f64 = self.squares[vertices.clone()].iter().sum();
@@ -66,6 +77,9 @@ struct Group {
     search: ClosestPoints,
     forward: Samples,
     backward: Samples,
+    /// The triangles found last, where the next search begins.
+    forward_hits: Vec<u32>,
+    backward_hits: Vec<u32>,
 }
 
 /// The search for correspondences at one sampling density.
@@ -112,18 +126,27 @@ impl<'a> Correspond<'a> {
                 let local: Vec<[u32; 3]> =
                     triangles[range].iter().map(|t| t.map(|v| v - first)).collect();
                 let points = &skeleton.points[vertices.clone()];
+                let forward = Samples::new(points, &areas[vertices.clone()], spacing);
+                let backward = Samples::new(&surface.mesh.points, &surface.areas, spacing);
                 let group = Group {
                     vertices: vertices.clone(),
                     search: ClosestPoints::new(points, &local),
                     triangles: local,
-                    forward: Samples::new(points, &areas[vertices.clone()], spacing),
-                    backward: Samples::new(&surface.mesh.points, &surface.areas, spacing),
+                    forward_hits: vec![u32::MAX; forward.vertices.len()],
+                    backward_hits: vec![u32::MAX; backward.vertices.len()],
+                    forward,
+                    backward,
                 };
                 Some((group, surface))
             })
             .collect();
         let image = target.image.as_ref().map(|image| (image, areas.to_vec()));
         Self { groups, image, vertex_count: skeleton.points.len(), triangles }
+    }
+
+    /// Whether the target is an image.
+    pub(super) fn in_image(&self) -> bool {
+        self.image.is_some()
     }
 
     /// Correspondences of the template at `points`.
@@ -143,7 +166,7 @@ impl<'a> Correspond<'a> {
         if let Some((image, areas)) = &self.image {
             pairs.extend(image_pairs(image, areas, points, &normals, rules.reach));
         }
-        self.gather(points, &pairs, rules)
+        Correspondences { normals, ..self.gather(points, &pairs, rules) }
     }
 
     fn gather(&self, points: &[Vec3], pairs: &[Pair], rules: &PairRules) -> Correspondences {
@@ -184,6 +207,7 @@ impl<'a> Correspond<'a> {
             squares,
             mean_distance,
             rms_distance,
+            normals: Vec::new(),
         }
     }
 }
@@ -210,18 +234,20 @@ fn image_pairs(
 impl Group {
     /// Template vertices to the target surface.
     fn forward_pairs<'b>(
-        &'b self,
+        &'b mut self,
         local: &'b [Vec3],
         normals: &'b [Vec3],
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
-        let samples = &self.forward;
-        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(
-            move |(&i, &area)| {
-                let found = surface.search.closest(&local[i as usize])?;
+        let (samples, first) = (&self.forward, self.vertices.start as u32);
+        let hits = self.forward_hits.par_iter_mut();
+        samples.vertices.par_iter().zip(&samples.areas).zip(hits).with_min_len(64).filter_map(
+            move |((&i, &area), hit)| {
+                let found = surface.search.closest_from(&local[i as usize], *hit)?;
+                *hit = found.triangle;
                 let cosine =
                     normals[i as usize].dot(&surface.face_normals[found.triangle as usize]);
-                let v = i + self.vertices.start as u32;
+                let v = i + first;
                 let pull = found.position - local[i as usize];
                 Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine })
             },
@@ -230,20 +256,22 @@ impl Group {
 
     /// Target vertices to the template surface, shared out to the corners of the triangle hit.
     fn backward_pairs<'b>(
-        &'b self,
+        &'b mut self,
         face_normals: &'b [Vec3],
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
-        let samples = &self.backward;
-        samples.vertices.par_iter().zip(&samples.areas).with_min_len(64).filter_map(
-            move |(&q, &area)| {
+        let (samples, first) = (&self.backward, self.vertices.start as u32);
+        let (search, triangles) = (&self.search, &self.triangles);
+        let hits = self.backward_hits.par_iter_mut();
+        samples.vertices.par_iter().zip(&samples.areas).zip(hits).with_min_len(64).filter_map(
+            move |((&q, &area), hit)| {
                 let goal = surface.mesh.points[q as usize];
                 let SurfacePoint { triangle, barycentric, position, .. } =
-                    self.search.closest(&goal)?;
+                    search.closest_from(&goal, *hit)?;
+                *hit = triangle;
                 let cosine =
                     surface.vertex_normals[q as usize].dot(&face_normals[triangle as usize]);
-                let first = self.vertices.start as u32;
-                let vertices = self.triangles[triangle as usize].map(|v| v + first);
+                let vertices = triangles[triangle as usize].map(|v| v + first);
                 Some(Pair { vertices, shares: barycentric, area, pull: goal - position, cosine })
             },
         )

@@ -66,6 +66,9 @@ pub struct Options {
     pub tolerance: f64,
     /// Iterations per level at most.
     pub max_iterations: usize,
+    /// Share of its last movement along the surface that a vertex is asked to make again, 0 to 1
+    /// (surfaces only).
+    pub momentum: f64,
     /// Sweeps over the joints in each iteration.
     pub joint_sweeps: usize,
     /// Pairs with a smaller cosine of their normals are dropped before the last level.
@@ -106,6 +109,7 @@ impl Default for Options {
             scales: ScaleOptions::default(),
             tolerance: 1.5e-4,
             max_iterations: 30,
+            momentum: 0.8,
             joint_sweeps: 10,
             min_cosine: -0.2,
             last_min_cosine: 0.3,
@@ -128,6 +132,7 @@ impl Options {
             clustering: Clustering::Exact,
             schedule: Schedule::AfterElastic,
             refine_bones: false,
+            momentum: 0.0,
             min_cosine: -1.0,
             pair_spacing: 0.0,
             ..Self::default()

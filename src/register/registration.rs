@@ -155,9 +155,14 @@ impl Registration {
         let mut trace = LevelTrace { radius: level.radius, ..LevelTrace::default() };
         let started = Instant::now();
         let mut at_last_update = state.points.clone();
+        let mut before_last = state.points.clone();
         let mut elastic_left = self.options.max_iterations;
         while trace.updates < most_updates && !run.is_cancelled() {
-            let pairs = search.at(&state.points, &level.rules);
+            let mut pairs = search.at(&state.points, &level.rules);
+            if !search.in_image() {
+                let drift = state.points.iter().zip(&before_last).map(|(now, before)| now - before);
+                pairs.slide_on(drift, self.options.momentum);
+            }
             let masses = self.masses(&pairs);
             let update = self.options.schedule == Schedule::EveryIteration || elastic_left == 0;
             if update {
@@ -172,7 +177,7 @@ impl Registration {
             if update {
                 at_last_update.clone_from(&next);
             }
-            state.points = next;
+            before_last = std::mem::replace(&mut state.points, next);
             trace.iterations += 1;
             trace.mean_distance = pairs.mean_distance;
             trace.rms_distance = pairs.rms_distance;
