@@ -101,6 +101,13 @@ fn cases() -> Vec<Case> {
         {"name":"b","mesh":"b.obj"}],"joints":[{"name":"ab","parent":"a","child":"b",
         "limits":{"rot_deg":{"neg":[1,2,3],"pos":[1,null,3]}}}]}"#;
     let motion = "a\ninDegrees=yes\nendheader\ntime knee\n0 1\n1 2\n";
+    let bvh = "HIERARCHY\nROOT hip\n{\nOFFSET 0 1 0\nCHANNELS 6 Xposition Yposition Zposition \
+        Zrotation Xrotation Yrotation\nJOINT knee\n{\nOFFSET 0 -4 0\nCHANNELS 1 Xrotation\n\
+        End Site\n{\nOFFSET 0 -4 0\n}\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.01\n\
+        0 0 0 10 20 30 -5\n";
+    let h5_json = r#"{"root":"r","groups":{"r":{"attributes":[{"name":"n","value":"v"}],"links":
+        [{"title":"a","collection":"datasets","id":"d"}]}},"datasets":{"d":{"shape":{"class":
+        "H5S_SIMPLE","dims":[2,1]},"type":{"class":"H5T_FLOAT"},"value":[[1],[2]]}}}"#;
     let text = |text: &str| text.as_bytes().to_vec();
     vec![
         ("obj", surface("a.obj"), text(obj)),
@@ -137,6 +144,14 @@ fn cases() -> Vec<Case> {
         ),
         ("veg", Box::new(move |b| drop_content(io::parse_veg(b, path))), text(veg)),
         ("msh", Box::new(move |b| drop_content(io::parse_gmsh(b, path))), text(msh)),
+        ("bvh", Box::new(move |b| drop_content(io::bvh::parse_bvh(b, path))), text(bvh)),
+        (
+            "h5 json",
+            Box::new(move |b| {
+                drop_content(io::h5_json::H5Document::parse(&String::from_utf8_lossy(b), path))
+            }),
+            text(h5_json),
+        ),
         ("vtu", Box::new(move |b| drop_content(io::parse_vtu(b, path))), text(vtu)),
         ("profiles", Box::new(move |b| drop_content(io::parse_profiles(b, path))), text(profiles)),
         ("skeleton", Box::new(skeleton), text(skeleton_file)),

@@ -153,7 +153,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
             }
         };
         let flipped: Vec<String> = flipped.into_iter().flatten().collect();
-        let motion: Motion = read_motion(&motion_path, &flipped)?;
+        let motion: Motion = read_motion(&motion_path, &object.skeleton, &flipped)?;
         Ok(write_glb(&path, &scene(&object.skeleton, Some(&motion), unit)?)?)
     })
 }

@@ -6,6 +6,7 @@
 mod check;
 mod convert;
 mod images;
+mod model;
 mod progress;
 mod register;
 mod reshape;
@@ -47,8 +48,11 @@ enum Command {
     Markers(moulage::job::MarkersJob),
     /// Compare a surface with a label map, and draw it on slices of an image
     Compare(moulage::job::CompareJob),
-    /// Turn a skeleton file into another format
-    Convert(convert::Arguments),
+    /// Shape statistics of a skeleton's bones
+    #[command(subcommand)]
+    Model(model::Command),
+    /// Turn a skeleton file or a motion into another format
+    Convert(moulage::job::Conversion),
     /// Say in words what is wrong with meshes, marker files, images or jobs
     Check(check::Arguments),
 }
@@ -73,6 +77,7 @@ pub fn main() -> ExitCode {
         Command::Slice(job) => images::slice(&job),
         Command::Markers(job) => images::markers(&job),
         Command::Compare(job) => images::compare(&job),
+        Command::Model(command) => model::run(&command),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Check(arguments) => Ok(check::run(&arguments)),
     };

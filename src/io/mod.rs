@@ -11,6 +11,7 @@
 
 mod anchor;
 mod ascii_points;
+pub mod bvh;
 mod bytes;
 mod csv_points;
 mod dicom;
@@ -18,6 +19,7 @@ mod dicom_lengths;
 mod fcsv;
 pub mod gltf;
 mod gmsh;
+pub mod h5_json;
 mod markers;
 mod markups;
 mod meta_image;
@@ -27,6 +29,7 @@ mod nrrd;
 mod obj;
 mod obj_write;
 pub mod osim;
+pub mod osim_edit;
 mod pairs;
 mod picked_points;
 mod ply;

@@ -32,16 +32,25 @@ pub struct OsimModel {
     pub world_from_body: Vec<Isometry3<f64>>,
     /// Scale factors of every bone's mesh.
     pub mesh_scale: Vec<[f64; 3]>,
+    /// All joints, those too that are left out of the document.
+    pub joints: Vec<OsimJoint>,
     /// What was left out, in sentences.
     pub notes: Vec<String>,
 }
 
-struct OsimJoint {
-    name: String,
-    parent: String,
-    child: String,
-    body_from_parent_frame: Isometry3<f64>,
-    body_from_child_frame: Isometry3<f64>,
+/// A joint as the model has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OsimJoint {
+    /// Name.
+    pub name: String,
+    /// Name of the parent body.
+    pub parent: String,
+    /// Name of the child body.
+    pub child: String,
+    /// Joint frame on the parent.
+    pub body_from_parent_frame: Isometry3<f64>,
+    /// Joint frame on the child.
+    pub body_from_child_frame: Isometry3<f64>,
     /// Joint transform of the default pose.
     transform: Isometry3<f64>,
     coordinates: Vec<CoordinateEntry>,
@@ -88,10 +97,11 @@ pub fn parse_osim(text: &str, path: &Path) -> Result<OsimModel> {
             None => model.notes.push(format!("joint {} connects a body without mesh", joint.name)),
         }
     }
+    model.joints = joints;
     Ok(model)
 }
 
-fn parent_named(node: &Node, names: &[&str; 2]) -> bool {
+pub(super) fn parent_named(node: &Node, names: &[&str; 2]) -> bool {
     let named = |n: Option<Node>, name: &str| n.is_some_and(|n| n.has_tag_name(name));
     node.is_element()
         && named(node.parent(), names[1])
@@ -102,7 +112,7 @@ fn row(xml: &Document, node: &Node) -> usize {
     xml.text_pos_at(node.range().start).row as usize
 }
 
-fn child_text(node: &Node, name: &str) -> Option<String> {
+pub(super) fn child_text(node: &Node, name: &str) -> Option<String> {
     let child = node.children().find(|n| n.has_tag_name(name))?;
     Some(child.text().unwrap_or_default().trim().to_string())
 }
@@ -111,7 +121,7 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split_whitespace().map(|w| w.parse().ok().filter(|x: &f64| x.is_finite())).collect()
 }
 
-fn three(text: &str) -> Option<[f64; 3]> {
+pub(super) fn three(text: &str) -> Option<[f64; 3]> {
     numbers(text)?.try_into().ok()
 }
 
@@ -162,7 +172,7 @@ fn body_fixed(angles: &Vector3<f64>) -> UnitQuaternion<f64> {
         * turn(Vector3::z_axis(), angles.z)
 }
 
-fn last_name(path: &str) -> String {
+pub(super) fn last_name(path: &str) -> String {
     path.rsplit('/').next().unwrap_or(path).to_string()
 }
 

@@ -4,10 +4,14 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 
-use super::register_job::read_skeleton;
+use super::bvh_motion::bvh_of_motion;
+use super::osim_write::write_osim;
+use super::register_job::{read_motion, read_skeleton};
 use super::register_output::{file_name, scene};
 use crate::error::{Error, Result};
+use crate::io::bvh::write_bvh;
 use crate::io::gltf::write_glb;
+use crate::io::mot::{MotionTable, write_motion};
 use crate::io::osim::{OsimModel, parse_osim};
 use crate::io::skeleton::SkeletonDocument;
 use crate::io::vtp::read_vtp;
@@ -24,24 +28,91 @@ pub fn metres_per_unit(units: Option<&str>) -> f64 {
     }
 }
 
-/// Converts a skeleton: `.osim` to `.skeleton.json` (bones beside it in `bones/`), or
-/// `.skeleton.json` to `.glb`. Returns notes on what was left out.
-pub fn convert_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
-    let ends = |path: &Path, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
-    if ends(from, ".osim") && ends(to, ".skeleton.json") {
+/// One conversion; what is needed depends on the formats.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Conversion {
+    /// .osim, .skeleton.json, or a motion: .mot, .sto, .bvh
+    #[cfg_attr(feature = "cli", arg(value_name = "FROM"))]
+    pub from: PathBuf,
+    /// .skeleton.json (from .osim), .glb or .osim (from .skeleton.json), .bvh or .mot (from a motion)
+    #[cfg_attr(feature = "cli", arg(value_name = "TO"))]
+    pub to: PathBuf,
+    /// Skeleton that a motion belongs to
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SKELETON"))]
+    pub skeleton: Option<PathBuf>,
+    /// Motion to put into the .glb
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub motion: Option<PathBuf>,
+    /// Angles of the motion whose sign is the opposite of the skeleton's
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", num_args = 1..))]
+    pub flip: Vec<String>,
+    /// OpenSim model that the skeleton's template was converted from, for writing .osim
+    #[cfg_attr(feature = "cli", arg(long, value_name = "OSIM"))]
+    pub model: Option<PathBuf>,
+}
+
+/// Converts a skeleton or a motion. Bones of a skeleton lie beside its file in `bones/`, meshes of an
+/// OpenSim model in `Geometry/`. Returns notes on what was left out.
+pub fn convert(job: &Conversion) -> Result<Vec<String>> {
+    let (from, to) = (job.from.as_path(), job.to.as_path());
+    let ends = |path: &Path, ends: &[&str]| {
+        let name = path.to_string_lossy().to_lowercase();
+        ends.iter().any(|end| name.ends_with(end))
+    };
+    if ends(from, &[".osim"]) && ends(to, &[".skeleton.json"]) {
         return write_osim_skeleton(from, to);
     }
-    if ends(from, ".json") && ends(to, ".glb") {
+    if ends(from, &[".json"]) && ends(to, &[".glb"]) {
         let files = read_skeleton(from)?;
         let unit = metres_per_unit(files.document.units.as_deref());
-        write_glb(to, &scene(&files.skeleton, None, unit)?)?;
+        let motion = job.motion.as_deref();
+        let motion = motion.map(|m| read_motion(m, &files.skeleton, &job.flip)).transpose()?;
+        write_glb(to, &scene(&files.skeleton, motion.as_ref(), unit)?)?;
         return Ok(Vec::new());
     }
+    if ends(from, &[".json"]) && ends(to, &[".osim"]) {
+        let model = job.model.as_deref().ok_or_else(|| {
+            Error::invalid(
+                "--model is missing: the OpenSim model that the template was converted from",
+            )
+        })?;
+        return write_osim(model, &read_skeleton(from)?, to);
+    }
+    if ends(from, &[".mot", ".sto", ".bvh"]) && ends(to, &[".mot", ".bvh"]) {
+        return convert_motion(job);
+    }
     Err(Error::Unsupported(format!(
-        "cannot convert {} to {}: .osim to .skeleton.json and .skeleton.json to .glb are known",
+        "cannot convert {} to {}: .osim to .skeleton.json, .skeleton.json to .glb or .osim, and motions \
+         (.mot, .sto, .bvh) to .mot or .bvh are known",
         from.display(),
         to.display()
     )))
+}
+
+fn convert_motion(job: &Conversion) -> Result<Vec<String>> {
+    let skeleton = job.skeleton.as_deref().ok_or_else(|| {
+        Error::invalid(
+            "--skeleton is missing: the skeleton whose bones and angles the motion names",
+        )
+    })?;
+    let skeleton = read_skeleton(skeleton)?.skeleton;
+    let motion = read_motion(&job.from, &skeleton, &job.flip)?;
+    if job.to.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
+        write_bvh(&job.to, &bvh_of_motion(&skeleton, &motion)?)?;
+        let known = |name: &&String| {
+            !skeleton.joints.iter().flat_map(|j| &j.coordinates).any(|c| c.name == **name)
+        };
+        let left: Vec<&str> = motion.names.iter().filter(known).map(String::as_str).collect();
+        return Ok(if left.is_empty() {
+            Vec::new()
+        } else {
+            vec![format!("the skeleton has no angle {}; left out", left.join(", "))]
+        });
+    }
+    let table = MotionTable { names: motion.names, times: motion.times, rows: motion.frames };
+    write_motion(&job.to, &table)?;
+    Ok(Vec::new())
 }
 
 /// Reads an OpenSim model: its skeleton, the surface of each bone in the default pose, metres, and
@@ -49,7 +120,7 @@ pub fn convert_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
 pub fn read_osim_skeleton(path: &Path) -> Result<(SkeletonDocument, Vec<TriMesh>, Vec<String>)> {
     let bytes = read_bytes(path)?;
     let model = parse_osim(&String::from_utf8_lossy(&bytes), path)?;
-    let OsimModel { mut document, world_from_body, mesh_scale, notes } = model;
+    let OsimModel { mut document, world_from_body, mesh_scale, notes, .. } = model;
     let mut meshes = Vec::new();
     for (k, bone) in document.bones.iter_mut().enumerate() {
         let mut mesh = read_mesh(&find_mesh(path, &bone.mesh)?)?;
@@ -101,6 +172,11 @@ mod tests {
     fn an_opensim_model_becomes_a_skeleton_and_a_scene() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
+        let job = |from: &str, to: &str| Conversion {
+            from: at(from),
+            to: at(to),
+            ..Conversion::default()
+        };
         let model = r#"<OpenSimDocument Version="40000"><Model><BodySet><objects>
           <Body name="a"><Mesh><mesh_file>a.obj</mesh_file></Mesh></Body>
           <Body name="b"><Mesh><mesh_file>b.obj</mesh_file></Mesh></Body></objects></BodySet>
@@ -115,15 +191,40 @@ mod tests {
         std::fs::create_dir(at("Geometry")).unwrap();
         let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
         std::fs::write(at("a.obj"), triangle).unwrap();
-        assert!(convert_skeleton(&at("m.osim"), &at("m.skeleton.json")).is_err());
+        assert!(convert(&job("m.osim", "m.skeleton.json")).is_err());
         std::fs::write(at("Geometry/b.obj"), triangle).unwrap();
-        let notes = convert_skeleton(&at("m.osim"), &at("m.skeleton.json")).unwrap();
+        let notes = convert(&job("m.osim", "m.skeleton.json")).unwrap();
         assert_eq!(notes.len(), 1);
         let skeleton = read_skeleton(&at("m.skeleton.json")).unwrap().skeleton;
         assert_eq!(skeleton.joints[0].coordinates[0].name, "bend");
         assert!((skeleton.points[3].x - 2.0).abs() < 1e-9);
-        convert_skeleton(&at("m.skeleton.json"), &at("m.glb")).unwrap();
+        convert(&job("m.skeleton.json", "m.glb")).unwrap();
         assert!(std::fs::read(at("m.glb")).unwrap().starts_with(b"glTF"));
-        assert!(convert_skeleton(&at("m.glb"), &at("m.osim")).is_err());
+        assert!(convert(&job("m.glb", "m.osim")).is_err());
+
+        // A motion of the model and back.
+        let walk = "x\ninDegrees=yes\nendheader\ntime bend other\n0 10 1\n0.5 -20 1\n";
+        std::fs::write(at("walk.mot"), walk).unwrap();
+        assert!(
+            convert(&job("walk.mot", "walk.bvh")).unwrap_err().to_string().contains("--skeleton")
+        );
+        let with = |from: &str, to: &str| Conversion {
+            skeleton: Some(at("m.skeleton.json")),
+            ..job(from, to)
+        };
+        assert_eq!(convert(&with("walk.mot", "walk.bvh")).unwrap().len(), 1);
+        assert!(convert(&with("walk.bvh", "again.mot")).unwrap().is_empty());
+        let again = crate::io::mot::read_motion(&at("again.mot")).unwrap();
+        assert_eq!(
+            (again.names.as_slice(), again.times.as_slice()),
+            (&["bend".into()][..], &[0.0, 0.5][..])
+        );
+        assert!((again.rows[1][0].to_degrees() + 20.0).abs() < 1e-9);
+        let moving = Conversion { motion: Some(at("walk.bvh")), ..job("m.skeleton.json", "w.glb") };
+        convert(&moving).unwrap();
+        assert!(
+            std::fs::metadata(at("w.glb")).unwrap().len()
+                > std::fs::metadata(at("m.glb")).unwrap().len()
+        );
     }
 }

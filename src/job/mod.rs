@@ -1,6 +1,7 @@
 //! A run described as data: read, check, run, write, report.
 
 mod attach;
+mod bvh_motion;
 mod check_files;
 mod convert;
 mod fill;
@@ -9,6 +10,9 @@ mod inputs;
 mod inspect;
 mod label_fit;
 mod measure;
+mod model_file;
+mod model_job;
+mod osim_write;
 mod output;
 mod overlay;
 mod refine;
@@ -25,14 +29,17 @@ mod spec;
 mod track_job;
 
 pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
+pub use bvh_motion::{bvh_of_motion, motion_of_bvh};
 pub use check_files::{FileCheck, check_file};
-pub use convert::{convert_skeleton, metres_per_unit, read_osim_skeleton};
+pub use convert::{Conversion, convert, metres_per_unit, read_osim_skeleton};
 pub use fill::{Filling, fill, fill_with};
 pub use image_target::Measure;
 pub use inputs::{Inputs, Pair, read_fixed_vertices, read_landmark_pairs};
 pub use inspect::{Data, inspect, inspect_data};
 pub use label_fit::LabelFit;
 pub use measure::{Spread, distance_to_markers, marker_distances, vertex_stretches};
+pub use model_file::{parse_shape_model, read_shape_model, write_shape_model};
+pub use model_job::{ModelFitJob, ModelReport, ModelShapeJob, run_model_fit, run_model_shape};
 pub use output::write_deformed_tets;
 pub use overlay::{CompareJob, SliceFigure, run_compare};
 pub use refine::Refinement;

@@ -5,19 +5,22 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::bvh_motion::motion_of_bvh;
 use super::image_target::{Measure, appearance, image_target};
+use super::model_file::read_shape_model;
 use super::register_output as output;
 use super::register_report::RegisterReport;
 use super::skeleton_build::build_skeleton;
 use super::slice_job::only_label;
 use super::track_job::relative_reach;
 use crate::error::{Error, Result};
+use crate::io::bvh::read_bvh;
 use crate::io::skeleton::SkeletonDocument;
 use crate::io::{SurfaceFile, is_volume, read_bytes, read_surface, read_volume};
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
 use crate::register::options::Levels;
-use crate::register::{Options, Registered, Registration, Skeleton, Target};
+use crate::register::{Options, Registered, Registration, ShapeModel, Skeleton, Target};
 use crate::run::Run;
 use crate::volume::label_surface;
 
@@ -50,7 +53,11 @@ pub struct RegisterJob {
     /// Soft tissue surfaces in the template's pose to carry along, besides the skeleton's own
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Input"))]
     pub carry: Option<Vec<PathBuf>>,
-    /// OpenSim motion (.mot, .sto) to put on the person's skeleton
+    /// Shape statistics (.h5.json) of the template's bones, from `moulage model fit` [default: what the
+    /// skeleton file names]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Input"))]
+    pub shape_model: Option<PathBuf>,
+    /// Motion to put on the person's skeleton: OpenSim (.mot, .sto), or .bvh with nodes named as the bones
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Input"))]
     pub motion: Option<PathBuf>,
     /// Angles of the motion whose sign is the opposite of the skeleton's
@@ -150,13 +157,17 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     let (target, notes) = read_target(job, &files)?;
     let carried = output::read_carried(job, &files)?;
     let flip = job.flip.as_deref().unwrap_or_default();
-    let motion = job.motion.as_deref().map(|path| read_motion(path, flip)).transpose()?;
+    let motion = job.motion.as_deref();
+    let motion = motion.map(|path| read_motion(path, &files.skeleton, flip)).transpose()?;
     let mut options = options(job, &files.document);
     if let Some(reach) = job.reach.as_deref() {
         options.image_reach = relative_reach(reach, &files.skeleton)?;
     }
     let prepared = Instant::now();
-    let registration = Registration::new(files.skeleton.clone(), options)?;
+    let mut registration = Registration::new(files.skeleton.clone(), options)?;
+    if let Some(model) = shape_model(job, &files)? {
+        registration = registration.with_shape_model(model)?;
+    }
     let prepared = prepared.elapsed().as_secs_f64();
     let started = Instant::now();
     let registered = registration.register(&target, run)?;
@@ -173,6 +184,14 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     }
     run.enter("done", 1.0);
     Ok(RegisterResult { report, registered })
+}
+
+/// The statistics that the job or the skeleton file names.
+fn shape_model(job: &RegisterJob, files: &SkeletonFiles) -> Result<Option<ShapeModel>> {
+    let folder = job.skeleton.parent().unwrap_or(Path::new(""));
+    let own = files.document.statistics.as_ref().map(|name| folder.join(name));
+    let path = job.shape_model.clone().or(own);
+    path.map(|path| read_shape_model(&files.skeleton, &path)).transpose()
 }
 
 fn options(job: &RegisterJob, document: &SkeletonDocument) -> Options {
@@ -264,10 +283,15 @@ fn labelled_target(path: &Path, skeleton: &Skeleton) -> Result<Target> {
     Target::per_bone(skeleton, surfaces)
 }
 
-/// Reads an OpenSim motion; the angles named in `flip` change their sign.
-pub fn read_motion(path: &Path, flip: &[String]) -> Result<Motion> {
-    let table = crate::io::mot::read_motion(path)?;
-    let mut motion = Motion { names: table.names, times: table.times, frames: table.rows };
+/// Reads a motion, OpenSim's or a BVH of the skeleton's bones; the angles named in `flip` change their
+/// sign.
+pub fn read_motion(path: &Path, skeleton: &Skeleton, flip: &[String]) -> Result<Motion> {
+    let mut motion = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
+        motion_of_bvh(skeleton, &read_bvh(path)?, path)?
+    } else {
+        let table = crate::io::mot::read_motion(path)?;
+        Motion { names: table.names, times: table.times, frames: table.rows }
+    };
     for name in flip {
         let column = motion.names.iter().position(|n| n == name).ok_or_else(|| {
             Error::invalid(format!("--flip {name}: {} has no such column", path.display()))

@@ -57,24 +57,50 @@ impl ShapeModel {
             let i = row / 3;
             roots[i] * (aligned[s][i] - mean[i])[row % 3]
         });
-        let gram = weighted.tr_mul(&weighted) / (samples.len() - 1) as f64;
-        let eigen = SymmetricEigen::new(gram);
-        let mut order: Vec<usize> = (0..samples.len()).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-        let largest = eigen.eigenvalues[order[0]];
-        order.retain(|&k| eigen.eigenvalues[k] > SMALLEST_VARIANCE * largest);
-        let mut modes = DMatrix::zeros(3 * n, order.len());
-        for (column, &k) in order.iter().enumerate() {
-            let mut mode = &weighted * eigen.eigenvectors.column(k);
-            let norm = mode.norm();
-            for (row, x) in mode.iter_mut().enumerate() {
-                // A vertex without area takes no part in the analysis and keeps its mean.
-                *x = if roots[row / 3] > 0.0 { *x / (norm * roots[row / 3]) } else { 0.0 };
-            }
-            modes.set_column(column, &mode);
-        }
-        let deviations = order.iter().map(|&k| eigen.eigenvalues[k].sqrt()).collect();
+        let factor = weighted / ((samples.len() - 1) as f64).sqrt();
+        let (modes, deviations) = principal(&factor, &roots);
         Ok(Self { mean, modes, deviations })
+    }
+
+    /// The model whose shapes are `mean` + `factor` x (coefficients in standard deviations), as read
+    /// from a file. `factor`: 3N x k, the coordinates of a vertex one after the other.
+    pub fn from_factor(
+        template: &Skeleton,
+        mean: Vec<Vec3>,
+        factor: &DMatrix<f64>,
+    ) -> Result<Self> {
+        let n = template.points.len();
+        if mean.len() != n || factor.nrows() != 3 * n {
+            return Err(Error::invalid(format!(
+                "the shape model has {} vertices, the skeleton {n}",
+                mean.len()
+            )));
+        }
+        let areas = vertex_areas(&template.points, &template.triangles);
+        let roots: Vec<f64> = areas.iter().map(|a| a.sqrt()).collect();
+        let mut weighted = factor.clone();
+        for (row, mut values) in weighted.row_iter_mut().enumerate() {
+            values *= roots[row / 3];
+        }
+        let (modes, deviations) = principal(&weighted, &roots);
+        Ok(Self { mean, modes, deviations })
+    }
+
+    /// The shapes' deviations: 3N x k, one column per mode, at one standard deviation.
+    pub fn factor(&self) -> DMatrix<f64> {
+        let mut factor = self.modes.clone();
+        for (mut column, deviation) in factor.column_iter_mut().zip(&self.deviations) {
+            column *= *deviation;
+        }
+        factor
+    }
+
+    /// Standard deviation of each mode, as a length: root mean square over the surface, areas in the
+    /// square of the template's unit.
+    pub fn deviations(&self, template: &Skeleton) -> Vec<f64> {
+        let areas = vertex_areas(&template.points, &template.triangles);
+        let total: f64 = areas.iter().sum();
+        self.deviations.iter().map(|d| d / total.sqrt()).collect()
     }
 
     /// Number of modes.
@@ -140,6 +166,28 @@ impl ShapeModel {
     }
 }
 
+/// The principal directions of `weighted` x its transpose, in falling order, with the weights `roots`
+/// of the vertices taken out again, and their standard deviations.
+fn principal(weighted: &DMatrix<f64>, roots: &[f64]) -> (DMatrix<f64>, Vec<f64>) {
+    let eigen = SymmetricEigen::new(weighted.tr_mul(weighted));
+    let mut order: Vec<usize> = (0..weighted.ncols()).collect();
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    let largest = order.first().map_or(0.0, |&k| eigen.eigenvalues[k]);
+    order.retain(|&k| eigen.eigenvalues[k] > SMALLEST_VARIANCE * largest);
+    let mut modes = DMatrix::zeros(weighted.nrows(), order.len());
+    for (column, &k) in order.iter().enumerate() {
+        let mut mode = weighted * eigen.eigenvectors.column(k);
+        let norm = mode.norm();
+        for (row, x) in mode.iter_mut().enumerate() {
+            // A vertex without area takes no part in the analysis and keeps its mean.
+            *x = if roots[row / 3] > 0.0 { *x / (norm * roots[row / 3]) } else { 0.0 };
+        }
+        modes.set_column(column, &mode);
+    }
+    let deviations = order.iter().map(|&k| eigen.eigenvalues[k].sqrt()).collect();
+    (modes, deviations)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,5 +222,18 @@ mod tests {
         let giant = model.project(&template, &person(3.0, 1.0), &areas);
         assert!(giant.iter().all(|c| c.abs() <= 3.0));
         assert!(ShapeModel::fit(&template, &samples[..1]).is_err());
+
+        let again =
+            ShapeModel::from_factor(&template, model.mean().to_vec(), &model.factor()).unwrap();
+        let sizes = model.deviations(&template).into_iter().zip(again.deviations(&template));
+        assert!(sizes.into_iter().all(|(a, b)| (a - b).abs() < 1e-9 * a));
+        let apart = model.project(&template, &turned, &areas);
+        let shapes = [
+            model.synthesize(&apart),
+            again.synthesize(&again.project(&template, &turned, &areas)),
+        ];
+        let worst =
+            shapes[0].iter().zip(&shapes[1]).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
+        assert!(worst < 1e-6, "{worst}");
     }
 }
