@@ -216,7 +216,7 @@ fn no_damage_makes_a_reader_panic_and_every_error_is_one_sentence() {
 }
 
 /// Found by fuzzing: the DICOM crates read an unknown kind of element with a length of four bytes, and
-/// filled a gigabyte for a file of 400.
+/// filled memory for more than 70 seconds for a file of 427 bytes.
 #[test]
 fn a_dicom_element_of_an_unknown_kind_is_checked_with_its_long_length() {
     let mut file = image_files::single_dicom();
