@@ -13,7 +13,7 @@ use super::scene::{Pair, Scene};
 const TANGENTIAL: f64 = 0.02;
 
 /// Near the surface, one marker of so many has tangential rows, for all of them.
-const HOLDING: usize = 3;
+const HOLDING: usize = 2;
 
 /// Residuals beyond this many sigmas are taken for outliers.
 const OUTLIER: f64 = 3.0;
