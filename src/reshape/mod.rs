@@ -14,6 +14,7 @@ mod problem;
 mod rows;
 mod scene;
 mod solver;
+mod step;
 mod summary;
 mod trial;
 mod woodbury;
