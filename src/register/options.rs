@@ -117,7 +117,7 @@ impl Default for Options {
             pair_spacing: 0.125,
             coarsest_pairs: 0.02,
             pose_starts: vec![0.0],
-            seat_factor: 3.0,
+            seat_factor: 5.0,
             align: true,
             image_reach: [0.1, 0.025],
         }
