@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(core c images python blender meshlab)
+parts=(core c images workflow python blender meshlab)
 
 install_debian() {
     local missing=()
@@ -61,6 +61,18 @@ run_images() {
     python3 -m venv "$tools"
     "$tools/bin/pip" install --quiet numpy pillow pydicom SimpleITK
     "$tools/bin/python" tests/images/formats.py target/debug/moulage
+    rm -rf "$tools"
+}
+
+# A small study through `moulage batch` and through Snakemake: equal results.
+run_workflow() {
+    install_debian python3-venv
+    cargo build --release
+    local tools
+    tools=$(mktemp -d)
+    python3 -m venv "$tools"
+    "$tools/bin/pip" install --quiet snakemake
+    bash tests/workflow/run.sh target/release/moulage "$tools/bin/snakemake"
     rm -rf "$tools"
 }
 

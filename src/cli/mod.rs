@@ -3,6 +3,7 @@
 //! Exit codes: 0 good, 1 bad input, 2 the solver gave up (the result is written), 130 interrupted.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod batch;
 mod check;
 mod convert;
 mod images;
@@ -38,6 +39,8 @@ enum Command {
     Reshape(Box<reshape::Arguments>),
     /// Put a template skeleton with joints on one person's bones
     Register(Box<moulage::job::RegisterJob>),
+    /// Run many job files; what is done already is kept, and a case that fails stops no other
+    Batch(moulage::job::BatchJob),
     /// Fill a surface with tets and print their quality
     Tetrahedralize(tetrahedralize::Arguments),
     /// Follow one person's bones through images of other poses
@@ -72,6 +75,7 @@ pub fn main() -> ExitCode {
     let code = match arguments.command {
         Command::Reshape(arguments) => reshape::run(*arguments),
         Command::Register(job) => register::run(&job),
+        Command::Batch(job) => batch::run(&job),
         Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
         Command::Track(job) => track::run(&job),
         Command::Slice(job) => images::slice(&job),

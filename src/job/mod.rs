@@ -1,6 +1,8 @@
 //! A run described as data: read, check, run, write, report.
 
 mod attach;
+mod batch;
+mod batch_summary;
 mod bvh_motion;
 mod check_files;
 mod convert;
@@ -15,6 +17,7 @@ mod model_job;
 mod osim_write;
 mod output;
 mod overlay;
+mod provenance;
 mod refine;
 mod register_job;
 mod register_output;
@@ -26,9 +29,11 @@ pub mod skeleton_build;
 mod slice_job;
 mod slice_picture;
 mod spec;
+mod statistics;
 mod track_job;
 
 pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
+pub use batch::{BatchJob, Case, CaseRecord, Status, run_batch};
 pub use bvh_motion::{bvh_of_motion, motion_of_bvh};
 pub use check_files::{FileCheck, check_file};
 pub use convert::{Conversion, convert, metres_per_unit, read_osim_skeleton};
@@ -42,6 +47,7 @@ pub use model_file::{parse_shape_model, read_shape_model, write_shape_model};
 pub use model_job::{ModelFitJob, ModelReport, ModelShapeJob, run_model_fit, run_model_shape};
 pub use output::write_deformed_tets;
 pub use overlay::{CompareJob, SliceFigure, run_compare};
+pub use provenance::InputFile;
 pub use refine::Refinement;
 pub use register_job::{
     RegisterJob, RegisterResult, SkeletonFiles, read_motion, read_skeleton, run_register,

@@ -13,6 +13,11 @@ use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TriMesh};
 use crate::reshape::Reshaped;
 
+/// A file's name without folder and extension.
+pub(super) fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// Refuses outputs that would come to nothing, before anything is computed.
 pub(super) fn check_places(job: &ReshapeJob) -> Result<()> {
     if job.out.is_none() && job.report.is_none() && job.tets_out.is_none() && job.ply_out.is_none()

@@ -1,0 +1,60 @@
+//! `moulage separate`.
+
+use std::process::ExitCode;
+
+use moulage::job::{SeparateJob, SeparationReport, run_separate};
+use moulage::{Result, Run};
+
+use super::progress::{Progress, stop_on_ctrl_c};
+
+/// Runs one separation and prints what came out.
+pub fn run(job: &SeparateJob) -> Result<ExitCode> {
+    let run = Run::new();
+    stop_on_ctrl_c(&run);
+    let progress = Progress::watch(&run);
+    let result = run_separate(job, &run);
+    drop(progress);
+    let report = result?;
+    print(&report);
+    for path in &report.written {
+        println!("written: {}", path.display());
+    }
+    Ok(ExitCode::from(if report.separated { 0 } else { super::GAVE_UP }))
+}
+
+/// The lines about overlaps and bodies.
+pub fn print(report: &SeparationReport) {
+    for line in &report.overlaps {
+        let ([a, b], [before, after]) = (&line.between, line.depth);
+        println!("{a} and {b}: overlap {before:.4} deep before, {after:.4} after");
+    }
+    for body in &report.bodies {
+        println!(
+            "{}: {} of {} vertices moved, at most {:.4}; {} inverted tets",
+            body.name, body.moved, body.vertices, body.largest_move, body.inverted_tets
+        );
+        if let Some([before, after]) = &body.marker_distance {
+            println!(
+                "  markers: mean {:.4}, largest {:.4} before, {:.4}, {:.4} after",
+                before.mean, before.max, after.mean, after.max
+            );
+        }
+        if body.markers_inside_fixed > 0 {
+            println!(
+                "  {} more markers lie inside a bone and cannot be met",
+                body.markers_inside_fixed
+            );
+        }
+    }
+    println!("{} rounds, {:.1} s", report.rounds, report.seconds);
+    if report.separated {
+        println!("No triangle of one surface crosses or lies inside another.");
+    } else {
+        let left =
+            report.overlaps.iter().filter(|line| line.crossings[1] + line.vertices_inside[1] > 0);
+        eprintln!(
+            "{} overlaps could not be removed; allow more --rings, or look whether the shapes contradict each other",
+            left.count()
+        );
+    }
+}
