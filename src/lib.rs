@@ -28,6 +28,7 @@ pub mod tetrahedralize;
 // 5
 pub mod register;
 pub mod reshape;
+pub mod separate;
 // 6
 pub mod job;
 // 7

@@ -11,7 +11,7 @@ const LAYERS: &[&[&str]] = &[
     &["mesh", "volume"],
     &["locate", "material", "solve"],
     &["align", "fem", "io", "tetrahedralize"],
-    &["reshape", "register"],
+    &["reshape", "register", "separate"],
     &["job"],
     &["capi"],
 ];

@@ -32,6 +32,11 @@ impl Bounds {
         (self.low + self.high) / 2.0
     }
 
+    /// Whether the two boxes have a point in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+
     fn distance_squared(&self, p: &Vec3) -> f64 {
         let mut sum = 0.0;
         for k in 0..3 {
@@ -197,6 +202,20 @@ impl BoxTree {
         let mut stack: Vec<u32> = if self.nodes.is_empty() { vec![] } else { vec![0] };
         while let Some(n) = stack.pop() {
             if self.nodes[n as usize].bounds.distance_squared(p) > limit {
+                continue;
+            }
+            match self.node(n) {
+                Part::Inner([left, right]) => stack.extend([right, left]),
+                Part::Leaf(items) => items.iter().for_each(|&item| visit(item)),
+            }
+        }
+    }
+
+    /// Calls `visit` for each item of a leaf whose box meets `bounds`, in tree order.
+    pub fn visit_meeting(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+        let mut stack: Vec<u32> = if self.nodes.is_empty() { vec![] } else { vec![0] };
+        while let Some(n) = stack.pop() {
+            if !self.nodes[n as usize].bounds.meets(bounds) {
                 continue;
             }
             match self.node(n) {

@@ -69,6 +69,13 @@ impl ClosestPoints {
         self.closest_below(p, distance * distance)
     }
 
+    /// Like [`Self::closest`], of the triangles whose outward side faces against `direction`. None if
+    /// no triangle does.
+    pub fn closest_against(&self, p: &Vec3, direction: &Vec3) -> Option<SurfacePoint> {
+        self.closest_of(p, f64::INFINITY, |[a, b, c]| (b - a).cross(&(c - a)).dot(direction) < 0.0)
+            .filter(|found| found.distance.is_finite())
+    }
+
     /// [`Self::closest`] for many points, in parallel, in their order.
     pub fn closest_many(&self, points: &[Vec3]) -> Vec<Option<SurfacePoint>> {
         points.par_iter().with_min_len(64).map(|p| self.closest(p)).collect()
@@ -88,6 +95,17 @@ impl ClosestPoints {
     }
 
     fn closest_below(&self, p: &Vec3, limit_squared: f64) -> Option<SurfacePoint> {
+        self.closest_of(p, limit_squared, |_| true)
+    }
+
+    /// The closest point of the triangles that `counts` lets through; at an infinite distance if
+    /// there is none.
+    fn closest_of(
+        &self,
+        p: &Vec3,
+        limit_squared: f64,
+        counts: impl Fn(&[Vec3; 3]) -> bool,
+    ) -> Option<SurfacePoint> {
         if !p.iter().all(|c| c.is_finite()) {
             return None;
         }
@@ -96,7 +114,9 @@ impl ClosestPoints {
                 let corners = self.corners(t);
                 let barycentric = closest_on_triangle(p, corners);
                 let position = at(&barycentric, &corners);
-                ((position - p).norm_squared(), (barycentric, position))
+                let distance_squared =
+                    if counts(&corners) { (position - p).norm_squared() } else { f64::INFINITY };
+                (distance_squared, (barycentric, position))
             })?;
         Some(SurfacePoint { triangle, barycentric, position, distance: distance_squared.sqrt() })
     }
@@ -140,6 +160,17 @@ mod tests {
             }
             closest.refit(&points);
         }
+    }
+
+    #[test]
+    fn the_way_out_is_the_side_that_faces_the_other_surface() {
+        let (points, triangles) = sphere(16, 24);
+        let closest = ClosestPoints::new(&points, &triangles);
+        let p = Vec3::new(0.0, 0.0, 0.4);
+        assert!(closest.closest(&p).unwrap().position.z > 0.9);
+        let out = closest.closest_against(&p, &Vec3::z()).unwrap();
+        assert!(out.position.z < 0.05, "{}", out.position);
+        assert!(closest.closest_against(&p, &Vec3::zeros()).is_none());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod box_tree;
 mod closest;
+mod crossing;
 mod embed;
 mod nearest_points;
 #[cfg(test)]
@@ -10,6 +11,7 @@ mod triangle;
 mod winding;
 
 pub use closest::{ClosestPoints, SurfacePoint};
+pub use crossing::{crossing_triangles, triangles_cross};
 pub use embed::{Embedding, tet_weights};
 pub use nearest_points::NearestPoints;
 pub use triangle::closest_on_triangle;

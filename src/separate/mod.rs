@@ -1,0 +1,27 @@
+//! Neighbours that overlap are pushed apart by local contact simulation ([W] section 4.1.4).
+//!
+//! Each organ is reshaped by itself, so results overlap where markers were placed inexactly. Around
+//! each overlap, and only there, the tets of both bodies are simulated with contact between their
+//! surfaces; their present shape is their shape at rest. The published method adds one muscle after
+//! the other; here all bodies that touch are solved together, so that each yields its share.
+//!
+//! - `contacts` - which surface points are too near, and in which direction they part
+//! - `way_out`  - in which direction a vertex leaves another body
+//! - `patch`    - the vertices that may move
+//! - `energy`   - elasticity, contact and the pull back, with derivatives
+//! - `solver`   - rounds of detection and Newton's method
+//! - `overlap`  - what is left, decided exactly
+
+mod contacts;
+mod energy;
+mod options;
+mod overlap;
+mod patch;
+mod scene;
+mod solver;
+mod way_out;
+
+pub use options::Options;
+pub use overlap::{Overlap, overlaps};
+pub use scene::{Body, Obstacle};
+pub use solver::{Separation, separate};

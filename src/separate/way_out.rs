@@ -1,0 +1,90 @@
+//! In which direction the vertices of one surface leave another one.
+//!
+//! Deep inside, the nearest point of the other surface may be on its far side, and neighbours would
+//! be pushed different ways. So only the vertices at the rim ask the other surface; from there the
+//! direction spreads over the vertices inside (B. Heidelberger, M. Teschner et al., Consistent
+//! penetration depth estimation for deformable collision response, 2004).
+
+use super::scene::Skin;
+use crate::math::Vec3;
+use crate::mesh::adjacency::Lists;
+
+/// A unit direction for each vertex that `inside` marks; zero for the others and for pieces that lie
+/// inside as a whole. `graph`: neighbours of each vertex of `skin`.
+pub(super) fn ways_out(skin: &Skin, other: &Skin, inside: &[bool], graph: &Lists) -> Vec<Vec3> {
+    let mut ways = vec![Vec3::zeros(); inside.len()];
+    let mut front: Vec<u32> = Vec::new();
+    for v in (0..inside.len()).filter(|&v| inside[v]) {
+        let outside = graph.of(v).iter().filter(|&&w| !inside[w as usize]);
+        let normals = outside.filter_map(|&w| rim_normal(skin, other, v, w as usize));
+        if let Some(way) = normals.sum::<Vec3>().try_normalize(1e-9) {
+            ways[v] = way;
+            front.push(v as u32);
+        }
+    }
+    while !front.is_empty() {
+        let mut next: Vec<u32> = front
+            .iter()
+            .flat_map(|&v| graph.of(v as usize))
+            .copied()
+            .filter(|&w| inside[w as usize] && ways[w as usize] == Vec3::zeros())
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        let found: Vec<Vec3> = next
+            .iter()
+            .map(|&v| {
+                let known = graph.of(v as usize).iter().map(|&w| {
+                    let edge = skin.points[w as usize] - skin.points[v as usize];
+                    ways[w as usize] / edge.norm_squared().max(f64::MIN_POSITIVE)
+                });
+                known.sum::<Vec3>().try_normalize(0.0).unwrap_or_default()
+            })
+            .collect();
+        next.iter().zip(found).for_each(|(&v, way)| ways[v as usize] = way);
+        front = next;
+        front.retain(|&v| ways[v as usize] != Vec3::zeros());
+    }
+    ways
+}
+
+/// The other surface's normal about where the edge from `inner` to `outer` passes it, weighted by
+/// how near that is to `inner`.
+fn rim_normal(skin: &Skin, other: &Skin, inner: usize, outer: usize) -> Option<Vec3> {
+    let (p, q) = (skin.points[inner], skin.points[outer]);
+    let distance = |x: &Vec3| other.closest.closest(x).map(|hit| hit.distance);
+    let (below, above) = (distance(&p)?, distance(&q)?);
+    let share = below / (below + above).max(f64::MIN_POSITIVE);
+    let passage = p + (q - p) * share;
+    let hit = other.closest.closest(&passage)?;
+    let weight = 1.0 / (passage - p).norm_squared().max(1e-6 * (q - p).norm_squared());
+    Some(other.normal(hit.triangle) * weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::locate::test_shapes::sphere;
+    use crate::mesh::adjacency::vertex_neighbours;
+
+    #[test]
+    fn a_finger_stuck_through_the_middle_leaves_the_way_it_came() {
+        let (ball, triangles) = sphere(24, 32);
+        let (finger, finger_triangles) = sphere(24, 32);
+        // A long ellipsoid from above, its tip beyond the ball's centre.
+        let finger: Vec<Vec3> =
+            finger.iter().map(|p| Vec3::new(0.3 * p.x, 0.3 * p.y, 1.2 * p.z + 0.8)).collect();
+        let ball = Skin::new(ball, &triangles, None);
+        let finger = Skin::new(finger, &finger_triangles, None);
+        let inside: Vec<bool> = finger.points.iter().map(|p| ball.winding.is_inside(p)).collect();
+        let graph = vertex_neighbours(finger.points.len(), &finger_triangles);
+        let ways = ways_out(&finger, &ball, &inside, &graph);
+        let tip = (0..finger.points.len())
+            .min_by(|&a, &b| finger.points[a].z.total_cmp(&finger.points[b].z));
+        let tip = tip.unwrap();
+        assert!(inside[tip] && finger.points[tip].z < -0.3);
+        assert!(ball.closest.closest(&finger.points[tip]).unwrap().position.z < 0.0);
+        assert!(ways[tip].z > 0.9, "{}", ways[tip]);
+        assert!(inside.iter().zip(&ways).all(|(&i, w)| i == (w.norm() > 0.5)));
+    }
+}
