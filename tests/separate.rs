@@ -3,7 +3,7 @@
 
 use moulage::locate::{triangles_cross, winding_number};
 use moulage::math::Vec3;
-use moulage::separate::{Body, Obstacle, Options, Separation, separate};
+use moulage::separate::{Body, Ending, Obstacle, Options, Overlap, Separation, separate};
 use moulage::tetrahedralize::{self, Method, tetrahedralize};
 use moulage::{Run, TetMesh, TriMesh};
 
@@ -212,6 +212,47 @@ fn bodies_apart_keep_every_bit_and_threads_do_not_matter() {
         pool.install(|| run(&near, &[])).tet_points
     };
     assert_eq!(on(1), on(3));
+}
+
+/// Bones that overlap leave no room between them: there is no solution to find.
+#[test]
+fn what_cannot_be_parted_ends_with_no_worse_overlap() {
+    let bodies = [ball("muscle", Vec3::zeros())];
+    let side = |x: f64, name: &str| Obstacle {
+        name: name.into(),
+        surface: sphere(Vec3::new(x, 0.02, 0.01)),
+    };
+    let bones = [side(-0.9, "left bone"), side(0.9, "right bone")];
+    let options = Options { rings: 2, ..Options::default() };
+    let result = separate(&bodies, &bones, &options, &Run::new()).unwrap();
+    assert_no_tet_inverted(&bodies, &result);
+    assert_eq!(result.ending, Ending::Stalled);
+    assert!(!result.after.is_empty());
+    let depth = |list: &[Overlap]| list.iter().map(|o| o.depth).fold(0.0, f64::max);
+    assert!(depth(&result.after) <= depth(&result.before), "{:?}", result.after);
+}
+
+/// The first look is cancelled when the solver begins to push.
+#[test]
+fn a_cancelled_run_keeps_the_least_overlap() {
+    let bodies = [ball("left", Vec3::zeros()), ball("right", Vec3::new(1.5, 0.1, 0.05))];
+    let run = Run::new();
+    let result = std::thread::scope(|scope| {
+        let solver = scope.spawn(|| separate(&bodies, &[], &Options::default(), &run));
+        while run.progress().stage != "pushing apart" && !solver.is_finished() {
+            std::thread::yield_now();
+        }
+        run.cancel();
+        solver.join().unwrap()
+    });
+    match result {
+        Ok(result) => {
+            assert!(matches!(result.ending, Ending::Cancelled | Ending::Parted));
+            assert_no_tet_inverted(&bodies, &result);
+            assert!(result.after.iter().all(|o| o.depth <= result.before[0].depth));
+        }
+        Err(error) => assert!(matches!(error, moulage::Error::Cancelled)),
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod model;
 mod progress;
 mod register;
 mod reshape;
+mod separate;
 mod tetrahedralize;
 mod track;
 
@@ -41,6 +42,8 @@ enum Command {
     Register(Box<moulage::job::RegisterJob>),
     /// Run many job files; what is done already is kept, and a case that fails stops no other
     Batch(moulage::job::BatchJob),
+    /// Push apart bodies of tets that overlap each other or bones
+    Separate(moulage::job::SeparateJob),
     /// Fill a surface with tets and print their quality
     Tetrahedralize(tetrahedralize::Arguments),
     /// Follow one person's bones through images of other poses
@@ -76,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Reshape(arguments) => reshape::run(*arguments),
         Command::Register(job) => register::run(&job),
         Command::Batch(job) => batch::run(&job),
+        Command::Separate(job) => separate::run(&job),
         Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
         Command::Track(job) => track::run(&job),
         Command::Slice(job) => images::slice(&job),

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use moulage::job::{SeparateJob, SeparationReport, run_separate};
+use moulage::separate::Ending;
 use moulage::{Result, Run};
 
 use super::progress::{Progress, stop_on_ctrl_c};
@@ -19,11 +20,15 @@ pub fn run(job: &SeparateJob) -> Result<ExitCode> {
     for path in &report.written {
         println!("written: {}", path.display());
     }
-    Ok(ExitCode::from(if report.separated { 0 } else { super::GAVE_UP }))
+    Ok(ExitCode::from(match report.ending {
+        _ if report.separated => 0,
+        Ending::Cancelled => super::INTERRUPTED,
+        _ => super::GAVE_UP,
+    }))
 }
 
 /// The lines about overlaps and bodies.
-pub fn print(report: &SeparationReport) {
+fn print(report: &SeparationReport) {
     for line in &report.overlaps {
         let ([a, b], [before, after]) = (&line.between, line.depth);
         println!("{a} and {b}: overlap {before:.4} deep before, {after:.4} after");
@@ -52,8 +57,12 @@ pub fn print(report: &SeparationReport) {
     } else {
         let left =
             report.overlaps.iter().filter(|line| line.crossings[1] + line.vertices_inside[1] > 0);
+        let why = match report.ending {
+            Ending::Cancelled => "the run was interrupted",
+            _ => "allow more --rings, or look whether the shapes contradict each other",
+        };
         eprintln!(
-            "{} overlaps could not be removed; allow more --rings, or look whether the shapes contradict each other",
+            "{} overlaps are left, the shapes with the least overlap are kept: {why}",
             left.count()
         );
     }

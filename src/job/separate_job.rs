@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::measure::{Spread, marker_distances};
+use super::output::stem;
 use crate::error::{Error, Result};
 use crate::io::{
     DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_beside,
@@ -15,7 +16,7 @@ use crate::locate::WindingNumber;
 use crate::math::Vec3;
 use crate::mesh::{TetMesh, TriMesh};
 use crate::run::Run;
-use crate::separate::{Body, Obstacle, Options, Overlap, Separation, separate};
+use crate::separate::{Body, Ending, Obstacle, Options, Overlap, Separation, separate};
 
 /// All that describes one separation; also the flags of the command line. Lengths are in the
 /// bodies' unit.
@@ -86,6 +87,8 @@ pub struct SeparationReport {
     pub version: &'static str,
     /// Nothing overlaps any more.
     pub separated: bool,
+    /// Why it ended.
+    pub ending: Ending,
     /// Every overlap there was or is.
     pub overlaps: Vec<OverlapLine>,
     /// Every body.
@@ -110,6 +113,7 @@ impl SeparationReport {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             separated: separation.after.is_empty(),
+            ending: separation.ending,
             overlaps: overlap_lines(&separation.before, &separation.after),
             bodies: moved.collect(),
             rounds: separation.rounds,
@@ -242,14 +246,10 @@ fn read_body(path: &Path, file: Option<&SurfaceFile>, markers: Option<&PathBuf>)
 }
 
 /// Surfaces that do not move, named by their files.
-pub(super) fn read_obstacles(paths: &[PathBuf]) -> Result<Vec<Obstacle>> {
+fn read_obstacles(paths: &[PathBuf]) -> Result<Vec<Obstacle>> {
     let read =
         |path: &PathBuf| Ok(Obstacle { name: stem(path), surface: read_surface(path)?.mesh()? });
     paths.iter().map(read).collect()
-}
-
-pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn write_body(

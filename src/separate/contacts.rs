@@ -44,6 +44,11 @@ pub(super) struct Found {
 }
 
 impl Found {
+    /// Sum of the depths of all contacts that overlap.
+    pub fn overlap(&self) -> f64 {
+        self.contacts.iter().map(|c| (-c.distance).max(0.0)).sum()
+    }
+
     /// Whether nothing overlaps.
     pub fn is_clear(&self) -> bool {
         self.seeds.iter().all(Vec::is_empty)

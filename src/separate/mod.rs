@@ -24,4 +24,4 @@ mod way_out;
 pub use options::Options;
 pub use overlap::{Overlap, overlaps};
 pub use scene::{Body, Obstacle};
-pub use solver::{Separation, separate};
+pub use solver::{Ending, Separation, separate};

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use serde::Serialize;
+
 use super::contacts::{Detector, Found};
 use super::energy::{Elasticity, Energy};
 use super::options::Options;
@@ -50,6 +52,23 @@ const ARMIJO: f64 = 1e-4;
 /// A round ends when no vertex moves farther than this share of the gap.
 const SMALL_STEP: f64 = 0.02;
 
+/// Rounds in which the overlap may stay as large as it was before the solver gives up.
+const PATIENCE: usize = 12;
+/// A round counts as progress if it leaves at most this share of the smallest overlap so far.
+const PROGRESS: f64 = 0.98;
+
+/// Why a separation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ending {
+    /// No contact is left.
+    Parted,
+    /// Overlaps no longer shrink, or the rounds are used up; the shape with the least is kept.
+    Stalled,
+    /// It was cancelled; the shape with the least overlap so far is kept.
+    Cancelled,
+}
+
 /// What came out.
 #[derive(Clone, Debug)]
 pub struct Separation {
@@ -65,11 +84,14 @@ pub struct Separation {
     pub moved: Vec<(usize, f64)>,
     /// Rounds of finding contacts and solving.
     pub rounds: usize,
+    /// Why it ended.
+    pub ending: Ending,
 }
 
 /// Pushes bodies apart where they overlap each other or obstacles. Vertices that are not near an
 /// overlap stay exactly where they are; no tet is inverted. What could not be resolved is told in
-/// [`Separation::after`]. A cancelled run gives [`Error::Cancelled`].
+/// [`Separation::after`]. A run that is cancelled or stalls keeps the shape with the least overlap;
+/// one that is cancelled before its first round gives [`Error::Cancelled`].
 pub fn separate(
     bodies: &[Body],
     obstacles: &[Obstacle],
@@ -86,7 +108,7 @@ pub fn separate(
     let before = overlaps(bodies, &start, obstacles);
     let mut solver = Solver::new(bodies, obstacles, options, run);
     let overlapping = !before.is_empty();
-    let rounds = if overlapping { solver.run_rounds()? } else { 0 };
+    let (rounds, ending) = if overlapping { solver.run_rounds()? } else { (0, Ending::Parted) };
     let tet_points = solver.split(&solver.x);
     let after = if overlapping { overlaps(bodies, &tet_points, obstacles) } else { Vec::new() };
     let surfaces = |points: &[Vec<Vec3>]| -> Vec<Vec<Vec3>> {
@@ -95,7 +117,7 @@ pub fn separate(
     let surface_points = surfaces(&tet_points);
     let old = surfaces(&start);
     let moved = old.iter().zip(&surface_points).map(|(old, new)| moves(old, new)).collect();
-    Ok(Separation { tet_points, surface_points, before, after, moved, rounds })
+    Ok(Separation { tet_points, surface_points, before, after, moved, rounds, ending })
 }
 
 /// How many points moved, and how far at most.
@@ -143,18 +165,21 @@ impl<'a> Solver<'a> {
         Self { bodies, obstacles, options, run, first_vertex, tets, places, x, gap, mean_edge }
     }
 
-    /// Until nothing overlaps or the rounds run out; returns their number.
-    fn run_rounds(&mut self) -> Result<usize> {
+    /// Until nothing overlaps, nothing improves, or the rounds run out; returns their number.
+    fn run_rounds(&mut self) -> Result<(usize, Ending)> {
         let mut patch = Patch::new(self.bodies, self.options.rings);
         let mut crossed = BTreeSet::new();
         let graphs = self.graphs();
         let [first, growth, most] = CONTACT_STIFFNESS;
-        for round in 0..self.options.max_rounds {
-            if self.run.is_cancelled() {
+        let most_rounds = self.options.max_rounds;
+        let mut best = (f64::INFINITY, self.x.clone());
+        let mut idle = 0;
+        let mut round = 0;
+        loop {
+            if self.run.is_cancelled() && round == 0 {
                 return Err(Error::Cancelled);
             }
-            let share = round as f64 / self.options.max_rounds as f64;
-            self.run.enter("pushing apart", share);
+            self.run.enter("pushing apart", round as f64 / (most_rounds + 1) as f64);
             let points = self.split(&self.x);
             let skins = Skin::all(self.bodies, &points, self.obstacles);
             let margin = 0.25 * self.mean_edge + 2.0 * self.gap;
@@ -166,15 +191,26 @@ impl<'a> Solver<'a> {
             };
             let found = detector.look(&skins, &mut crossed);
             if found.is_clear() {
-                return Ok(round);
+                return Ok((round, Ending::Parted));
+            }
+            let overlap = found.overlap();
+            idle = if overlap < PROGRESS * best.0 { 0 } else { idle + 1 };
+            if overlap < best.0 {
+                best = (overlap, self.x.clone());
             }
             for (b, seeds) in found.seeds.iter().enumerate() {
                 patch.add(b, seeds);
             }
             let stiffness = (first * growth.powi(round as i32)).min(most) * self.mean_edge;
-            self.relax(&patch, &found, stiffness)?;
+            let stuck = idle >= PATIENCE || round == most_rounds;
+            let cancelled = self.run.is_cancelled();
+            // Where shapes contradict each other tets are squeezed until a solution has no digits.
+            if stuck || cancelled || self.relax(&patch, &found, stiffness).is_err() {
+                self.x = best.1;
+                return Ok((round, if cancelled { Ending::Cancelled } else { Ending::Stalled }));
+            }
+            round += 1;
         }
-        Ok(self.options.max_rounds)
     }
 
     /// Neighbours of each vertex of each surface, in the order of the skins.
