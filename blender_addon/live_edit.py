@@ -14,9 +14,11 @@ _INTERVAL = 0.15
 _state = {"run": None, "stamp": None}
 
 
-def changed(data, _context):
-    """For the toggle: begins to look; it stops by itself."""
-    _state["stamp"] = None
+def changed(data, context):
+    """For the toggle: begins to look; it stops by itself. The result that is there counts as made from what is
+    there now, so that a move that follows at once is seen."""
+    template = context.scene.moulage.template
+    _state["stamp"] = _stamp(template) if data.live_edit and template is not None else None
     if data.live_edit and not bpy.app.background and not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=_INTERVAL)
 

@@ -33,6 +33,8 @@ def empty_scene():
     # Shape keys that outlive their mesh would stop the next save (Blender 4.2).
     bpy.data.orphans_purge(do_recursive=True)
     bpy.context.scene.unit_settings.scale_length = 1.0
+    # A typed length has the unit that is shown.
+    bpy.context.scene.unit_settings.length_unit = "METERS"
 
 
 def add_mesh(name, points, faces):

@@ -427,8 +427,7 @@ def live_by_keys():
         bpy.ops.moulage.add_landmark(template_point=axis, target=scenes.egg([axis])[0])
     bpy.context.view_layer.objects.active = ball
     yield from search("Moulage Reshape")
-    yield from until(running, "the run of the ball")
-    yield from until(lambda: not running(), "its end", RUN_LIMIT)
+    yield from until(lambda: has_result() and not running(), "the ball's result", RUN_LIMIT)
 
     def length():
         return max(p.co.x for p in template().data.shape_keys.key_blocks["Reshaped"].data)
@@ -468,6 +467,8 @@ def skeleton_by_clicks():
     for collection in list(bpy.data.collections):
         bpy.data.collections.remove(collection)
     yield from pause(0.5)
+    yield from search("Coordinates Are Millimetres")
+    yield from until(lambda: bpy.context.scene.unit_settings.scale_length < 0.01, "millimetres")
     yield from choose_file("Import Moulage Skeleton", HAND / "skeleton.json")
     yield from until(lambda: skeleton() is not None, "the skeleton")
     bpy.ops.import_mesh.ply(filepath=str(HAND / "target_surface.ply"))
