@@ -3,10 +3,12 @@
 //! Own code rather than a crate because refitting to moved items is the hot path of the solvers and
 //! ties must fall the same way on every run: the libraries at hand either rebuild or leave ties open.
 
+use rayon::prelude::*;
+
 use crate::math::Vec3;
 
 /// Items in a leaf: small enough to prune well, large enough to keep the tree shallow.
-const LEAF_ITEMS: usize = 4;
+const LEAF_ITEMS: usize = 2;
 /// Boxes are searched a little beyond the best distance, so that rounding never hides a tie.
 const SLACK: f64 = 1.0 + 1e-12;
 
@@ -24,10 +26,6 @@ impl Bounds {
         corners.iter().fold(empty, |b, p| Self { low: b.low.inf(p), high: b.high.sup(p) })
     }
 
-    fn union(&self, other: &Self) -> Self {
-        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
-    }
-
     fn centre(&self) -> Vec3 {
         (self.low + self.high) / 2.0
     }
@@ -36,22 +34,62 @@ impl Bounds {
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
+}
+
+/// Bounds in half the memory, rounded outwards.
+#[derive(Clone, Copy, Debug)]
+struct ShortBounds {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl ShortBounds {
+    const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+
+    fn around(bounds: &Bounds) -> Self {
+        let below = |x: f64| {
+            let near = x as f32;
+            if f64::from(near) > x { near.next_down() } else { near }
+        };
+        let (low, high) = (bounds.low, bounds.high);
+        Self {
+            low: [below(low.x), below(low.y), below(low.z)],
+            high: [-below(-high.x), -below(-high.y), -below(-high.z)],
+        }
+    }
+
+    fn union(&self, other: &Self) -> Self {
+        let mut joined = *self;
+        for k in 0..3 {
+            joined.low[k] = joined.low[k].min(other.low[k]);
+            joined.high[k] = joined.high[k].max(other.high[k]);
+        }
+        joined
+    }
+
+    /// Whether the two boxes have a point in common.
+    fn meets(&self, other: &Bounds) -> bool {
+        (0..3).all(|k| {
+            f64::from(self.low[k]) <= other.high[k] && other.low[k] <= f64::from(self.high[k])
+        })
+    }
 
     fn distance_squared(&self, p: &Vec3) -> f64 {
         let mut sum = 0.0;
         for k in 0..3 {
-            let outside = (self.low[k] - p[k]).max(p[k] - self.high[k]).max(0.0);
+            let outside =
+                (f64::from(self.low[k]) - p[k]).max(p[k] - f64::from(self.high[k])).max(0.0);
             sum += outside * outside;
         }
         sum
     }
 }
 
-/// A node; the left child of an inner node follows it directly.
+/// A node. The children of an inner node stand together, so that one look at memory finds both.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
-    bounds: Bounds,
-    /// Leaf: first entry in `items`. Inner: index of the right child.
+struct Node {
+    bounds: ShortBounds,
+    /// Leaf: first entry in `items`. Inner: index of the left child; the right one follows.
     first: u32,
     /// Number of items of a leaf; 0 for an inner node.
     count: u32,
@@ -75,22 +113,22 @@ impl BoxTree {
         let centres: Vec<Vec3> = bounds.iter().map(Bounds::centre).collect();
         let mut tree = Self { nodes: Vec::new(), items: (0..bounds.len() as u32).collect() };
         if !bounds.is_empty() {
-            tree.split(&centres, 0, bounds.len());
+            tree.nodes.push(Node { bounds: ShortBounds::EMPTY, first: 0, count: 0 });
+            tree.split(&centres, 0, 0, bounds.len());
             tree.refit(|item| bounds[item as usize]);
         }
         tree
     }
 
-    /// Splits `items[first..end]` at the median along the longest side of their centres.
-    fn split(&mut self, centres: &[Vec3], first: usize, end: usize) {
-        let node = self.nodes.len();
-        let unset = Bounds { low: Vec3::zeros(), high: Vec3::zeros() };
+    /// Makes `node` of `items[first..end]`, split at the median along the longest side of their
+    /// centres. Children come after their parents.
+    fn split(&mut self, centres: &[Vec3], node: usize, first: usize, end: usize) {
         let count = end - first;
         if count <= LEAF_ITEMS {
-            self.nodes.push(Node { bounds: unset, first: first as u32, count: count as u32 });
+            self.nodes[node].first = first as u32;
+            self.nodes[node].count = count as u32;
             return;
         }
-        self.nodes.push(Node { bounds: unset, first: 0, count: 0 });
         let items = &mut self.items[first..end];
         let spread = items.iter().fold(Bounds::of(&[]), |b, &i| {
             let c = centres[i as usize];
@@ -101,31 +139,49 @@ impl BoxTree {
             centres[a as usize][axis].total_cmp(&centres[b as usize][axis]).then(a.cmp(&b))
         });
         let middle = first + count / 2;
-        self.split(centres, first, middle);
-        self.nodes[node].first = self.nodes.len() as u32;
-        self.split(centres, middle, end);
+        let left = self.nodes.len();
+        self.nodes[node].first = left as u32;
+        let unset = Node { bounds: ShortBounds::EMPTY, first: 0, count: 0 };
+        self.nodes.extend([unset.clone(), unset]);
+        self.split(centres, left, first, middle);
+        self.split(centres, left + 1, middle, end);
     }
 
     /// Fits all boxes to moved items; the tree's structure stays.
-    pub fn refit(&mut self, bounds: impl Fn(u32) -> Bounds) {
+    pub fn refit(&mut self, bounds: impl Fn(u32) -> Bounds + Sync) {
+        let items = &self.items;
+        self.nodes.par_iter_mut().with_min_len(256).filter(|node| node.count > 0).for_each(
+            |node| {
+                let items = &items[node.first as usize..(node.first + node.count) as usize];
+                let all = items.iter().fold(Bounds::of(&[]), |b, &i| {
+                    let item = bounds(i);
+                    Bounds { low: b.low.inf(&item.low), high: b.high.sup(&item.high) }
+                });
+                node.bounds = ShortBounds::around(&all);
+            },
+        );
         for n in (0..self.nodes.len()).rev() {
             let Node { first, count, .. } = self.nodes[n];
-            self.nodes[n].bounds = if count == 0 {
-                self.nodes[n + 1].bounds.union(&self.nodes[first as usize].bounds)
-            } else {
-                let items = &self.items[first as usize..(first + count) as usize];
-                items.iter().fold(Bounds::of(&[]), |b, &i| b.union(&bounds(i)))
-            };
+            if count == 0 {
+                let left = &self.nodes[first as usize].bounds;
+                self.nodes[n].bounds = left.union(&self.nodes[first as usize + 1].bounds);
+            }
         }
     }
 
+    /// The items in the order of the leaves: those that are close together stand together.
+    pub fn items(&self) -> &[u32] {
+        &self.items
+    }
+
     /// The item of least `measure` (a squared distance, with anything the caller wants to keep) not
-    /// above `limit`; the lowest index of those that are equal.
+    /// above `limit`; the lowest index of those that are equal. `measure` gets the item and its place in
+    /// [`Self::items`].
     pub fn nearest<T>(
         &self,
         p: &Vec3,
         limit: f64,
-        mut measure: impl FnMut(u32) -> (f64, T),
+        mut measure: impl FnMut(u32, usize) -> (f64, T),
     ) -> Option<(u32, f64, T)> {
         let mut best: Option<(u32, f64, T)> = None;
         let mut bound = limit;
@@ -143,8 +199,8 @@ impl BoxTree {
             }
             let node = &self.nodes[n as usize];
             if node.count == 0 {
-                let mut children = [n + 1, node.first]
-                    .map(|c| (c, self.nodes[c as usize].bounds.distance_squared(p)));
+                let child = |c: u32| (c, self.nodes[c as usize].bounds.distance_squared(p));
+                let mut children = [child(node.first), child(node.first + 1)];
                 // The nearer child goes on top of the stack.
                 if children[0].1 < children[1].1 {
                     children.swap(0, 1);
@@ -154,8 +210,9 @@ impl BoxTree {
                 depth += 2;
                 continue;
             }
-            for &item in &self.items[node.first as usize..(node.first + node.count) as usize] {
-                let (value, kept) = measure(item);
+            for place in node.first as usize..(node.first + node.count) as usize {
+                let item = self.items[place];
+                let (value, kept) = measure(item, place);
                 let lower = best.as_ref().is_none_or(|b| value < b.1 || item < b.0);
                 if value <= bound && lower {
                     bound = value;
@@ -190,7 +247,7 @@ impl BoxTree {
     pub fn node(&self, n: u32) -> Part<'_> {
         let Node { first, count, .. } = self.nodes[n as usize];
         if count == 0 {
-            Part::Inner([n + 1, first])
+            Part::Inner([first, first + 1])
         } else {
             Part::Leaf(&self.items[first as usize..(first + count) as usize])
         }

@@ -23,8 +23,11 @@ pub struct SurfacePoint {
 /// some ten times faster than building anew.
 #[derive(Clone, Debug)]
 pub struct ClosestPoints {
-    points: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
+    /// Corners of all triangles in the order of the tree's items.
+    corners: Vec<[Vec3; 3]>,
+    /// Where each triangle stands in that order.
+    places: Vec<u32>,
     tree: BoxTree,
 }
 
@@ -36,7 +39,17 @@ impl ClosestPoints {
     pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         let bounds: Vec<Bounds> =
             triangles.iter().map(|t| Bounds::of(&t.map(|v| points[v as usize]))).collect();
-        Self { points: points.to_vec(), triangles: triangles.to_vec(), tree: BoxTree::new(&bounds) }
+        let tree = BoxTree::new(&bounds);
+        let mut places = vec![0; triangles.len()];
+        for (place, &t) in tree.items().iter().enumerate() {
+            places[t as usize] = place as u32;
+        }
+        let corners = tree
+            .items()
+            .iter()
+            .map(|&t| triangles[t as usize].map(|v| points[v as usize]))
+            .collect();
+        Self { triangles: triangles.to_vec(), corners, places, tree }
     }
 
     /// Takes moved points of the same surface.
@@ -44,9 +57,13 @@ impl ClosestPoints {
     /// # Panics
     /// When there are fewer points than before.
     pub fn refit(&mut self, points: &[Vec3]) {
-        self.points.copy_from_slice(points);
-        let (points, triangles) = (&self.points, &self.triangles);
-        self.tree.refit(|t| Bounds::of(&triangles[t as usize].map(|v| points[v as usize])));
+        let Self { triangles, corners, places, tree } = self;
+        let of = |&t: &u32| {
+            let [a, b, c] = triangles[t as usize];
+            [points[a as usize], points[b as usize], points[c as usize]]
+        };
+        corners.par_iter_mut().zip(tree.items()).with_min_len(512).for_each(|(c, t)| *c = of(t));
+        tree.refit(|t| Bounds::of(&corners[places[t as usize] as usize]));
     }
 
     /// The surface point closest to `p`; of several equally close ones that of the lowest triangle
@@ -61,7 +78,7 @@ impl ClosestPoints {
             return self.closest(p);
         }
         let corners = self.corners(hint);
-        self.closest_below(p, (at(&closest_on_triangle(p, corners), &corners) - p).norm_squared())
+        self.closest_below(p, (at(&closest_on_triangle(p, corners), corners) - p).norm_squared())
     }
 
     /// Like [`Self::closest`], but only up to a distance.
@@ -86,7 +103,7 @@ impl ClosestPoints {
         let mut found = Vec::new();
         self.tree.visit_within(p, distance, |t| {
             let corners = self.corners(t);
-            if (at(&closest_on_triangle(p, corners), &corners) - p).norm() <= distance {
+            if (at(&closest_on_triangle(p, corners), corners) - p).norm() <= distance {
                 found.push(t);
             }
         });
@@ -110,19 +127,19 @@ impl ClosestPoints {
             return None;
         }
         let (triangle, distance_squared, (barycentric, position)) =
-            self.tree.nearest(p, limit_squared, |t| {
-                let corners = self.corners(t);
+            self.tree.nearest(p, limit_squared, |_, place| {
+                let corners = &self.corners[place];
                 let barycentric = closest_on_triangle(p, corners);
-                let position = at(&barycentric, &corners);
+                let position = at(&barycentric, corners);
                 let distance_squared =
-                    if counts(&corners) { (position - p).norm_squared() } else { f64::INFINITY };
+                    if counts(corners) { (position - p).norm_squared() } else { f64::INFINITY };
                 (distance_squared, (barycentric, position))
             })?;
         Some(SurfacePoint { triangle, barycentric, position, distance: distance_squared.sqrt() })
     }
 
-    fn corners(&self, t: u32) -> [Vec3; 3] {
-        self.triangles[t as usize].map(|v| self.points[v as usize])
+    fn corners(&self, t: u32) -> &[Vec3; 3] {
+        &self.corners[self.places[t as usize] as usize]
     }
 }
 
@@ -135,7 +152,7 @@ mod tests {
         let mut best = (0, f64::INFINITY);
         for (t, triangle) in triangles.iter().enumerate() {
             let corners = triangle.map(|v| points[v as usize]);
-            let d = (at(&closest_on_triangle(p, corners), &corners) - p).norm_squared();
+            let d = (at(&closest_on_triangle(p, &corners), &corners) - p).norm_squared();
             if d < best.1 {
                 best = (t as u32, d);
             }

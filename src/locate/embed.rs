@@ -132,7 +132,7 @@ impl<'a> TetLocator<'a> {
     }
 
     fn tet_of(&self, p: &Vec3) -> u32 {
-        let nearest = self.tree.nearest(p, f64::INFINITY, |t| {
+        let nearest = self.tree.nearest(p, f64::INFINITY, |t, _| {
             (distance_squared_to_tet(&self.mesh.corners(t as usize), p), ())
         });
         let (nearest, distance_squared, ()) = nearest.expect("there is at least one tet");
@@ -163,7 +163,7 @@ fn distance_squared_to_tet(corners: &[Vec3; 4], p: &Vec3) -> f64 {
     }
     let to_face = |face: [usize; 3]| {
         let triangle = face.map(|k| corners[k]);
-        (at(&closest_on_triangle(p, triangle), &triangle) - p).norm_squared()
+        (at(&closest_on_triangle(p, &triangle), &triangle) - p).norm_squared()
     };
     FACES.into_iter().map(to_face).fold(f64::INFINITY, f64::min)
 }

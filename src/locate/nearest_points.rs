@@ -25,7 +25,7 @@ impl NearestPoints {
         }
         let (point, distance_squared, ()) = self
             .tree
-            .nearest(p, f64::INFINITY, |i| ((self.points[i as usize] - p).norm_squared(), ()))?;
+            .nearest(p, f64::INFINITY, |i, _| ((self.points[i as usize] - p).norm_squared(), ()))?;
         Some((point, distance_squared.sqrt()))
     }
 

@@ -7,7 +7,7 @@ use crate::math::Vec3;
 
 /// Barycentric coordinates of the point of triangle (a, b, c) closest to `p`: never negative, sum 1,
 /// exactly 0 off the feature hit. Triangles without area are handled as their longest edge or point.
-pub fn closest_on_triangle(p: &Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
+pub fn closest_on_triangle(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let to_a = p - a;
     let (d1, d2) = (ab.dot(&to_a), ac.dot(&to_a));
@@ -29,7 +29,7 @@ pub fn closest_on_triangle(p: &Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
     let total = va + vb + vc;
     let degenerate = total <= f64::EPSILON * ab.norm_squared() * ac.norm_squared();
     if degenerate {
-        return closest_on_edges(p, [a, b, c]);
+        return closest_on_edges(p, &[*a, *b, *c]);
     }
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
         let t = d1 / (d1 - d3);
@@ -48,7 +48,7 @@ pub fn closest_on_triangle(p: &Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
 }
 
 /// The closest point of the three edges; they may have no length.
-fn closest_on_edges(p: &Vec3, corners: [Vec3; 3]) -> [f64; 3] {
+fn closest_on_edges(p: &Vec3, corners: &[Vec3; 3]) -> [f64; 3] {
     let mut best = ([1.0, 0.0, 0.0], f64::INFINITY);
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let edge = corners[j] - corners[i];
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn each_region_of_a_triangle_is_hit() {
         let (a, b, c) = (Vec3::zeros(), Vec3::x(), Vec3::y());
-        let closest = |x, y| closest_on_triangle(&Vec3::new(x, y, 0.7), [a, b, c]);
+        let closest = |x, y| closest_on_triangle(&Vec3::new(x, y, 0.7), &[a, b, c]);
         assert_eq!(closest(-1.0, -1.0), [1.0, 0.0, 0.0]);
         assert_eq!(closest(2.0, 0.0), [0.0, 1.0, 0.0]);
         assert_eq!(closest(0.0, 2.0), [0.0, 0.0, 1.0]);
@@ -96,11 +96,11 @@ mod tests {
     fn triangles_without_area_still_answer() {
         let p = Vec3::new(0.25, 1.0, 0.0);
         let line = [Vec3::zeros(), Vec3::x(), Vec3::x() * 0.5];
-        assert!((at(&closest_on_triangle(&p, line), &line) - Vec3::x() * 0.25).norm() < 1e-15);
+        assert!((at(&closest_on_triangle(&p, &line), &line) - Vec3::x() * 0.25).norm() < 1e-15);
         let doubled = [Vec3::zeros(), Vec3::zeros(), Vec3::x()];
         assert!(
-            (at(&closest_on_triangle(&p, doubled), &doubled) - Vec3::x() * 0.25).norm() < 1e-15
+            (at(&closest_on_triangle(&p, &doubled), &doubled) - Vec3::x() * 0.25).norm() < 1e-15
         );
-        assert_eq!(closest_on_triangle(&p, [Vec3::zeros(); 3])[0], 1.0);
+        assert_eq!(closest_on_triangle(&p, &[Vec3::zeros(); 3])[0], 1.0);
     }
 }

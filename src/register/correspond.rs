@@ -9,9 +9,10 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::image::ImageTarget;
+use super::normals::{area_vectors, unit_or_zero, vertex_normals};
 use super::samples::Samples;
 use super::skeleton::Skeleton;
-use super::target::{SearchedSurface, Target, face_normals};
+use super::target::{SearchedSurface, Target};
 use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::Vec3;
 
@@ -73,6 +74,9 @@ impl Correspondences {
 #[derive(Clone, Debug)]
 struct Group {
     vertices: Range<usize>,
+    /// Where its triangles stand among the template's.
+    faces: Range<usize>,
+    /// The triangles with vertices numbered from the part's first.
     triangles: Vec<[u32; 3]>,
     search: ClosestPoints,
     forward: Samples,
@@ -124,12 +128,13 @@ impl<'a> Correspond<'a> {
                 let surface = surface.as_ref()?;
                 let first = vertices.start as u32;
                 let local: Vec<[u32; 3]> =
-                    triangles[range].iter().map(|t| t.map(|v| v - first)).collect();
+                    triangles[range.clone()].iter().map(|t| t.map(|v| v - first)).collect();
                 let points = &skeleton.points[vertices.clone()];
                 let forward = Samples::new(points, &areas[vertices.clone()], spacing);
                 let backward = Samples::new(&surface.mesh.points, &surface.areas, spacing);
                 let group = Group {
                     vertices: vertices.clone(),
+                    faces: range,
                     search: ClosestPoints::new(points, &local),
                     triangles: local,
                     forward_hits: vec![u32::MAX; forward.vertices.len()],
@@ -152,15 +157,16 @@ impl<'a> Correspond<'a> {
     /// Correspondences of the template at `points`.
     pub(super) fn at(&mut self, points: &[Vec3], rules: &PairRules) -> Correspondences {
         let mut pairs = Vec::new();
-        let normals = vertex_normals(points, self.triangles);
+        let faces = area_vectors(points, self.triangles);
+        let normals = vertex_normals(points.len(), self.triangles, &faces);
         for (group, surface) in &mut self.groups {
             let vertices = group.vertices.clone();
             let local = &points[vertices.clone()];
             pairs.par_extend(group.forward_pairs(local, &normals[vertices], surface));
             if rules.both_ways {
                 group.search.refit(local);
-                let faces = face_normals(local, &group.triangles);
-                pairs.par_extend(group.backward_pairs(&faces, surface));
+                let faces = &faces[group.faces.clone()];
+                pairs.par_extend(group.backward_pairs(faces, surface));
             }
         }
         if let Some((image, areas)) = &self.image {
@@ -257,7 +263,7 @@ impl Group {
     /// Target vertices to the template surface, shared out to the corners of the triangle hit.
     fn backward_pairs<'b>(
         &'b mut self,
-        face_normals: &'b [Vec3],
+        faces: &'b [Vec3],
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
         let (samples, first) = (&self.backward, self.vertices.start as u32);
@@ -269,8 +275,8 @@ impl Group {
                 let SurfacePoint { triangle, barycentric, position, .. } =
                     search.closest_from(&goal, *hit)?;
                 *hit = triangle;
-                let cosine =
-                    surface.vertex_normals[q as usize].dot(&face_normals[triangle as usize]);
+                let normal = unit_or_zero(&faces[triangle as usize]);
+                let cosine = surface.vertex_normals[q as usize].dot(&normal);
                 let vertices = triangles[triangle as usize].map(|v| v + first);
                 Some(Pair { vertices, shares: barycentric, area, pull: goal - position, cosine })
             },
@@ -304,20 +310,4 @@ fn median_distance(pairs: &[Pair], min_cosine: f64) -> f64 {
     }
     let middle = distances.len() / 2;
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// Area-weighted unit vertex normals.
-pub(super) fn vertex_normals(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    let mut normals = vec![Vec3::zeros(); points.len()];
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|v| points[v as usize]);
-        let normal = (b - a).cross(&(c - a));
-        for &v in triangle {
-            normals[v as usize] += normal;
-        }
-    }
-    for normal in &mut normals {
-        *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
-    }
-    normals
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::correspond::vertex_normals;
+use super::normals::{area_vectors, vertex_normals};
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -28,7 +28,8 @@ impl Appearance {
     /// \[10 of the image's smallest voxel sizes\].
     pub fn profiles(template: &Skeleton, reference: &Volume, reach: Option<f64>) -> Result<Self> {
         let voxel = reference.spacing().min();
-        let normals = vertex_normals(&template.points, &template.triangles);
+        let faces = area_vectors(&template.points, &template.triangles);
+        let normals = vertex_normals(template.points.len(), &template.triangles, &faces);
         let reach = reach.unwrap_or(PROFILE_VOXELS * voxel);
         let step = (PROFILE_STEP * voxel).min(reach);
         let profiles = Profiles::new(reference, &template.points, &normals, reach, step)?;

@@ -19,6 +19,7 @@ pub mod joint_frames;
 pub mod joint_limits;
 mod levels;
 mod neighbours;
+mod normals;
 pub mod options;
 pub mod pose;
 pub mod pose_at_once;

@@ -60,19 +60,29 @@ impl<'a> PointGrid<'a> {
 
     /// Indices of the points within the radius of `p`, ascending.
     pub(super) fn within(&self, p: &Vec3) -> Vec<u32> {
-        let centre = cell(p, self.size);
-        let mut found = Vec::new();
-        for offset in 0..27 {
-            let step = [offset / 9 - 1, offset / 3 % 3 - 1, offset % 3 - 1];
-            let key = (centre.0 + step[0], centre.1 + step[1], centre.2 + step[2]);
-            for &i in self.cells.get(&key).into_iter().flatten() {
-                if (self.points[i as usize] - p).norm_squared() <= self.size * self.size {
-                    found.push(i);
-                }
-            }
-        }
+        let mut found: Vec<u32> = self.around(p).collect();
         found.sort_unstable();
         found
+    }
+
+    /// Whether a point within the radius of `p` counts.
+    pub(super) fn any_within(&self, p: &Vec3, counts: impl Fn(u32) -> bool) -> bool {
+        self.around(p).any(counts)
+    }
+
+    /// The points within the radius of `p`, cell by cell, those of its own cell first.
+    fn around<'b>(&'b self, p: &'b Vec3) -> impl Iterator<Item = u32> + 'b {
+        let centre = cell(p, self.size);
+        // 13 is the cell itself.
+        let cells = (0..27).map(|k| (k + 13) % 27).filter_map(move |k| {
+            let key = (centre.0 + k / 9 - 1, centre.1 + k / 3 % 3 - 1, centre.2 + k % 3 - 1);
+            self.cells.get(&key)
+        });
+        let limit = self.size * self.size;
+        cells
+            .flatten()
+            .copied()
+            .filter(move |&i| (self.points[i as usize] - p).norm_squared() <= limit)
     }
 }
 

@@ -7,11 +7,12 @@
 use nalgebra::{Isometry3, SymmetricEigen, Translation3, UnitQuaternion};
 use rayon::prelude::*;
 
+use super::normals::{area_vectors, unit_or_zero, vertex_normals};
 use super::pose::{BoneMoments, moved};
 use super::rotation::{PairSums, best_rotation};
 use super::samples::Samples;
 use super::skeleton::Skeleton;
-use super::target::{SearchedSurface, Target, face_normals};
+use super::target::{SearchedSurface, Target};
 use crate::locate::ClosestPoints;
 use crate::math::{Mat3, Vec3};
 
@@ -42,11 +43,12 @@ pub(super) fn rigid_start(template: &Skeleton, areas: &[f64], target: &Target) -
         return Isometry3::identity();
     };
     let spacing = |areas: &[f64]| (areas.iter().sum::<f64>() / SAMPLE_COUNT).sqrt();
+    let faces = area_vectors(&template.points, &template.triangles);
     let alignment = Alignment {
         template,
         search: ClosestPoints::new(&template.points, &template.triangles),
-        faces: face_normals(&template.points, &template.triangles),
-        normals: super::correspond::vertex_normals(&template.points, &template.triangles),
+        normals: vertex_normals(template.points.len(), &template.triangles, &faces),
+        faces: faces.iter().map(unit_or_zero).collect(),
         forward: Samples::new(&template.points, areas, spacing(areas)),
         surface,
         backward: Samples::new(&surface.mesh.points, &surface.areas, spacing(&surface.areas)),

@@ -30,6 +30,9 @@ use crate::run::Run;
 /// Weight of a vertex without a pair against one with a pair of the same area: it holds its place
 /// only where nothing else does.
 const UNSEEN_WEIGHT: f64 = 1e-6;
+/// Levels after which bones that lie on their neighbours are looked for; on finer ones the elastic
+/// shape hides them.
+const REPAIRED_LEVELS: usize = 2;
 /// Steps for all joints at once at the end, so that loops close as well.
 const FINAL_STEPS: usize = 30;
 
@@ -132,8 +135,8 @@ impl Registration {
             let mut search = self.search(target, level.spacing);
             let most = self.options.max_iterations;
             trace.push(self.run_level(level, &mut search, &mut state, run, most));
-            if k == 0 && self.options.use_joints && target.image.is_none() {
-                self.repair(&mut search_coarse, &mut state, run);
+            if k < REPAIRED_LEVELS && self.options.use_joints && target.image.is_none() {
+                self.repair(level, &mut search_coarse, &mut state, run);
             }
         }
         run.enter("joints and residuals", 0.95);
@@ -172,8 +175,8 @@ impl Registration {
             }
             let next = level.elastic.apply(&state.reference.points, &pairs.wanted, &masses);
             let before = if update { &at_last_update } else { &state.points };
-            let still =
-                self.largest_bone_move(before, &next) < self.options.tolerance * self.diagonal;
+            let still = self.largest_bone_move(before, &next)
+                < level.tolerance_factor * self.options.tolerance * self.diagonal;
             if update {
                 at_last_update.clone_from(&next);
             }

@@ -50,7 +50,7 @@ impl SampledClusters {
         let mut centres = PointGrid::empty(points, radius * spacing);
         let mut chosen = Vec::new();
         for i in 0..points.len() as u32 {
-            if !centres.within(&points[i as usize]).iter().any(|&c| same_bone(i, c)) {
+            if !centres.any_within(&points[i as usize], |c| same_bone(i, c)) {
                 centres.insert(i);
                 chosen.push(i);
             }

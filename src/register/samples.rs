@@ -21,7 +21,7 @@ impl Samples {
         let mut vertices = Vec::new();
         let mut slot = vec![u32::MAX; points.len()];
         for i in 0..points.len() as u32 {
-            if grid.within(&points[i as usize]).is_empty() {
+            if !grid.any_within(&points[i as usize], |_| true) {
                 grid.insert(i);
                 slot[i as usize] = vertices.len() as u32;
                 vertices.push(i);

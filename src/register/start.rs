@@ -1,6 +1,7 @@
 //! Where the loop starts: the best of some poses, and other poses for branches that went wrong.
 
 use super::correspond::Correspond;
+use super::levels::Level;
 use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_start;
 use super::registration::{Registration, State};
@@ -10,8 +11,10 @@ use crate::run::Run;
 
 /// Updates that tell a good starting pose from a bad one.
 const START_UPDATES: usize = 10;
-/// A pose replaces another only when the pairs' distance falls to this share.
+/// A pose replaces another only when the pairs' distance falls to this share,
 const CLEARLY_BETTER: f64 = 0.95;
+/// or that of the bones that were moved to this one, and the whole is not worse.
+const BONES_BETTER: f64 = 0.75;
 /// Rounds of repair.
 const REPAIR_ROUNDS: usize = 3;
 /// A bone is tried in other poses when it fits this many times worse than the middle bone.
@@ -27,6 +30,18 @@ pub(super) const START_SPACING: f64 = 0.03;
 struct Misfit {
     rms: f64,
     of_bone: Vec<f64>,
+}
+
+impl Misfit {
+    /// Whether the bones marked in `moved` are worth their new pose.
+    fn clearly_better(&self, before: &Self, moved: &[bool]) -> bool {
+        let worst = |misfit: &Self| {
+            let own = misfit.of_bone.iter().zip(moved).filter(|(_, moved)| **moved);
+            own.fold(0.0_f64, |worst, (r, _)| worst.max(*r))
+        };
+        self.rms < CLEARLY_BETTER * before.rms
+            || self.rms < before.rms && worst(self) < BONES_BETTER * worst(before)
+    }
 }
 
 impl Registration {
@@ -55,8 +70,13 @@ impl Registration {
 
     /// Finds bones that fit much worse than the others and tries other poses for the branches that
     /// hang on them: two fingers that have exchanged their tips do not come apart by themselves.
-    pub(super) fn repair(&self, search: &mut Correspond, state: &mut State, run: &Run) {
-        let level = &self.levels[0];
+    pub(super) fn repair(
+        &self,
+        level: &Level,
+        search: &mut Correspond,
+        state: &mut State,
+        run: &Run,
+    ) {
         let Some(mut best) = self.misfit(search, state) else { return };
         for _ in 0..REPAIR_ROUNDS {
             let heads = self.badly_fitted(&best);
@@ -83,7 +103,7 @@ impl Registration {
                     other.points.clone_from(&other.reference.points);
                     self.run_level(level, search, &mut other, run, START_UPDATES);
                     if let Some(misfit) = self.misfit(search, &other)
-                        && misfit.rms < CLEARLY_BETTER * best.rms
+                        && misfit.clearly_better(&best, &marks)
                     {
                         best = misfit;
                         *state = other;

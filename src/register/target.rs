@@ -2,6 +2,7 @@
 
 use super::areas::vertex_areas;
 use super::image::{Appearance, ImageTarget};
+use super::normals::face_normals;
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
@@ -29,17 +30,6 @@ impl SearchedSurface {
             mesh,
         }
     }
-}
-
-/// Unit normals of triangles; zero where a triangle has no area.
-pub(super) fn face_normals(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|v| points[v as usize]);
-            (b - a).cross(&(c - a)).try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
-        })
-        .collect()
 }
 
 /// What the skeleton is registered to.

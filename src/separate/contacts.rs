@@ -249,10 +249,10 @@ fn nearest_features(
 ) -> ([f64; 3], [f64; 3]) {
     let corner = |k: usize| [0, 1, 2].map(|i| f64::from(u8::from(i == k)));
     if let [k] = a {
-        return (corner(*k), closest_on_triangle(&p[*k], *q));
+        return (corner(*k), closest_on_triangle(&p[*k], q));
     }
     if let [k] = b {
-        return (closest_on_triangle(&q[*k], *p), corner(*k));
+        return (closest_on_triangle(&q[*k], p), corner(*k));
     }
     // Two edges: the points where their lines are nearest.
     let (i, j, k, l) = (a[0], a[1], b[0], b[1]);

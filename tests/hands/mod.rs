@@ -22,7 +22,7 @@ const DILATION: f64 = 0.2;
 /// Root mean square of the scan's noise, mm, and its wave length.
 const NOISE: [f64; 2] = [0.25, 3.0];
 /// Root mean square of the bumps on bones, mm.
-const BUMPS: f64 = 0.35;
+pub const BUMPS: f64 = 0.35;
 
 /// Numbers between -1 and 1, the same on every run.
 pub struct Noise(pub u64);
@@ -44,13 +44,15 @@ pub fn template() -> Skeleton {
     read_skeleton(&path).unwrap().skeleton
 }
 
-/// A hand whose bones have other sizes and bumps, in the template's joint angles. One size for the
-/// hand, others for each bone's length and width; bones stay joined.
-pub fn person(template: &Skeleton, seed: u64) -> Skeleton {
+/// A hand whose bones have other sizes and bumps (their root mean square in mm), in the template's joint
+/// angles. One size for the hand, others for each bone's length and width, of which the share `alike`
+/// is that of all bones; bones stay joined.
+pub fn person(template: &Skeleton, seed: u64, alike: f64, bumps: f64) -> Skeleton {
     let mut noise = Noise(seed);
-    let whole = 1.0 + 0.06 * noise.next();
-    let sizes: Vec<Vec3> =
-        template.bones.iter().map(|_| noise.vector() * 0.05 + Vec3::repeat(whole)).collect();
+    let whole = Vec3::repeat(1.0 + 0.06 * noise.next());
+    let of_all = noise.vector();
+    let mut size = || whole + 0.05 * (alike * of_all + (1.0 - alike) * noise.vector());
+    let sizes: Vec<Vec3> = template.bones.iter().map(|_| size()).collect();
     let mut other = template.clone();
     // Each bone is stretched about the joint it hangs on, which lies where its neighbour's end is.
     let mut pivots = vec![(Vec3::zeros(), Vec3::zeros()); sizes.len()];
@@ -78,17 +80,19 @@ pub fn person(template: &Skeleton, seed: u64) -> Skeleton {
         let normals = template.bone_surface(b, &template.points).vertex_normals();
         for ((i, p), normal) in bone.vertices.clone().zip(points).zip(normals) {
             let bump: f64 = waves.iter().map(|(k, phase)| (k.dot(p) + phase).sin()).sum();
-            let bump = BUMPS * (2.0_f64 / 3.0).sqrt() * bump;
+            let bump = bumps * (2.0_f64 / 3.0).sqrt() * bump;
             other.points[i] = place(&pivots, b, p) + bump * normal;
         }
     }
     other
 }
 
-/// Turns the joints to angles within their ranges, and the whole a little.
-pub fn in_a_pose(person: &Skeleton, seed: u64) -> Skeleton {
+/// Turns the joints to `bend` of the way to the end of their ranges, a little more or less, and the
+/// whole by 12 degrees.
+pub fn in_a_pose(person: &Skeleton, seed: u64, bend: f64) -> Skeleton {
     let mut noise = Noise(seed);
-    let shares: Vec<f64> = person.joints.iter().map(|_| 0.3 + 0.25 * noise.next()).collect();
+    let shares: Vec<f64> =
+        person.joints.iter().map(|_| bend * (1.0 + 0.8 * noise.next())).collect();
     let mut other = person.clone();
     let motions = posed(person, 0, |name| {
         let of = |k: usize| {
