@@ -1,31 +1,26 @@
-//! The ablation of Figure 4 of Gilles, Reveret, Pai 2010 on two finger bones: what clusters, plausible
-//! shapes and joints add. Prints the table of `docs/register.md`:
+//! The ablation of Figure 4 of Gilles, Reveret, Pai 2010 on two finger bones in fused, noisy scans: what
+//! clusters, plausible shapes and joints add. Prints the table of `docs/register.md`:
 //!
 //! `cargo run --release --example figure4`
 #![allow(clippy::print_stdout, clippy::unwrap_used, clippy::expect_used)]
 
-use std::path::Path;
+#[path = "../tests/hands/mod.rs"]
+mod hands;
 
-use moulage::job::read_skeleton;
+use moulage::Run;
 use moulage::math::Vec3;
 use moulage::register::bone_scales::ScaleFreedom;
 use moulage::register::rotation::turned_about;
 use moulage::register::{Options, Registered, Skeleton, Target, register};
-use moulage::{Run, TriMesh};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
-/// Sizes of the two bones along x, y, z for each person.
-const PERSONS: [[[f64; 3]; 2]; 3] = [
-    [[1.04, 1.08, 1.02], [1.07, 1.03, 1.06]],
-    [[0.95, 0.97, 0.93], [0.97, 0.94, 0.96]],
-    [[1.03, 0.98, 1.08], [1.00, 1.06, 1.04]],
-];
+/// Persons, by the seed of their random shapes.
+const PERSONS: [u64; 3] = [21, 22, 23];
 /// Flexions of the joint, degrees.
 const FLEXIONS: [f64; 3] = [30.0, 60.0, 85.0];
 
 fn finger() -> Skeleton {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/hand/skeleton.json");
-    let hand = read_skeleton(&path).expect("the example is part of the repository").skeleton;
+    let hand = hands::template();
     let bones = ["2proxph", "2midph"].map(|name| hand.bone_index(name).unwrap());
     let mut joint = hand.joints.iter().find(|j| [j.parent, j.child] == bones).unwrap().clone();
     [joint.parent, joint.child] = [0, 1];
@@ -33,16 +28,12 @@ fn finger() -> Skeleton {
     Skeleton::new(bones.map(surface).to_vec(), vec![joint]).unwrap()
 }
 
-/// The finger of another person: bones scaled about the joint, then flexed and moved a little.
-fn person(template: &Skeleton, sizes: &[[f64; 3]; 2], flexion: f64) -> Skeleton {
-    let mut other = template.clone();
-    let centre = template.joints[0].parent_frame.translation.vector;
-    for (bone, size) in template.bones.iter().zip(sizes) {
-        for p in &mut other.points[bone.vertices.clone()] {
-            *p = centre + (*p - centre).component_mul(&Vec3::from(*size));
-        }
-    }
-    let axis = template.joints[0].parent_frame.rotation * template.joints[0].coordinates[0].axis;
+/// The finger of another person, flexed and moved a little.
+fn person(template: &Skeleton, seed: u64, flexion: f64) -> Skeleton {
+    let mut other = hands::person(template, seed, 0.0, hands::BUMPS);
+    let frame = other.joints[0].parent_frame;
+    let centre = frame.translation.vector;
+    let axis = frame.rotation * template.joints[0].coordinates[0].axis;
     let turn = UnitQuaternion::from_scaled_axis(axis * flexion.to_radians());
     let bend = turned_about(&Isometry3::identity(), &centre, turn);
     let tilt = UnitQuaternion::from_scaled_axis(Vec3::new(0.05, -0.08, 0.03));
@@ -84,29 +75,37 @@ fn configurations() -> Vec<(&'static str, Options)> {
     ]
 }
 
-fn main() {
+/// For every configuration the errors at each flexion, those of the middle person.
+pub fn ablation<const N: usize>(
+    persons: &[u64],
+    flexions: [f64; N],
+) -> Vec<(&'static str, [[f64; 3]; N])> {
     let template = finger();
+    let scans = flexions.map(|flexion| {
+        let one = |&seed: &u64| {
+            let truth = person(&template, seed, flexion);
+            let scan = hands::fused_scan(&truth, seed);
+            (truth, Target::whole(scan).unwrap())
+        };
+        persons.iter().map(one).collect::<Vec<_>>()
+    });
+    let middle = |options: &Options, scans: &[(Skeleton, Target)]| {
+        let one = |(truth, target): &(Skeleton, Target)| {
+            errors(&register(&template, target, options, &Run::new()).unwrap(), truth)
+        };
+        let mut all: Vec<[f64; 3]> = scans.iter().map(one).collect();
+        all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        all[all.len() / 2]
+    };
+    let all = |options: &Options| std::array::from_fn(|k| middle(options, &scans[k]));
+    configurations().iter().map(|(name, options)| (*name, all(options))).collect()
+}
+
+fn main() {
     println!("| | 30 deg | 60 deg | 85 deg | angle error at 85 | gap at 85 |");
     println!("|---|---|---|---|---|---|");
-    for (name, options) in configurations() {
-        let mut cells = Vec::new();
-        let mut last = [0.0; 3];
-        for flexion in FLEXIONS {
-            let mut all: Vec<[f64; 3]> = PERSONS
-                .iter()
-                .map(|sizes| {
-                    let truth = person(&template, sizes, flexion);
-                    let surface =
-                        TriMesh::new(truth.points.clone(), truth.triangles.clone()).unwrap();
-                    let target = Target::whole(surface).unwrap();
-                    let found = register(&template, &target, &options, &Run::new()).unwrap();
-                    errors(&found, &truth)
-                })
-                .collect();
-            all.sort_by(|a, b| a[0].total_cmp(&b[0]));
-            last = all[PERSONS.len() / 2];
-            cells.push(format!("{:.2}", last[0]));
-        }
-        println!("| {name} | {} | {:.1} | {:.2} |", cells.join(" | "), last[1], last[2]);
+    for (name, errors) in ablation(&PERSONS, FLEXIONS) {
+        let vertices = errors.map(|e| format!("{:.2}", e[0])).join(" | ");
+        println!("| {name} | {vertices} | {:.1} | {:.2} |", errors[2][1], errors[2][2]);
     }
 }

@@ -6,6 +6,10 @@ use std::path::Path;
 use moulage::Run;
 use moulage::io::read_surface;
 use moulage::job::{RegisterJob, read_skeleton, run_register};
+use moulage::math::Vec3;
+use moulage::register::Skeleton;
+use moulage::register::fast_sums::FastSums;
+use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Root mean square vertex error to reach, millimetres.
 const GOAL: f64 = 0.2;
@@ -48,9 +52,65 @@ fn a_hand_is_found_and_written_and_its_result_is_a_template_again() {
             (b.parent, b.child, b.coordinates.len())
         );
     }
-    assert!(out.path().join("skeleton.glb").is_file());
+    seen_by_viewers(&out.path().join("skeleton.glb"), found);
     let page = std::fs::read_to_string(out.path().join("report/report.html")).unwrap();
     assert!(page.contains("thumbprox"));
+}
+
+/// What another reader of glTF sees: every bone's node with its name, in its place, metres and y up.
+fn seen_by_viewers(path: &Path, found: &Skeleton) {
+    let file = gltf::Gltf::open(path).unwrap();
+    let binary = file.blob.as_ref().unwrap();
+    let mut parents = vec![None; file.nodes().count()];
+    for node in file.nodes() {
+        for child in node.children() {
+            parents[child.index()] = Some(node.index());
+        }
+    }
+    let nodes: Vec<_> = file.nodes().collect();
+    let world = |mut k: usize, p: [f32; 3]| {
+        let mut p = Vec3::from(p.map(f64::from));
+        loop {
+            let (shift, turn, scale) = nodes[k].transform().decomposed();
+            let turn = UnitQuaternion::from_quaternion(Quaternion::from(turn.map(f64::from)));
+            p = turn * p.component_mul(&Vec3::from(scale.map(f64::from)))
+                + Vec3::from(shift.map(f64::from));
+            match parents[k] {
+                Some(parent) => k = parent,
+                None => return p,
+            }
+        }
+    };
+    for bone in &found.bones {
+        let node = nodes.iter().find(|n| n.name() == Some(bone.name.as_str())).unwrap();
+        let primitive = node.mesh().unwrap().primitives().next().unwrap();
+        let reader = primitive.reader(|_| Some(binary));
+        let positions: Vec<_> = reader.read_positions().unwrap().collect();
+        let own = &found.points[bone.vertices.clone()];
+        assert_eq!(positions.len(), own.len());
+        assert_eq!(reader.read_indices().unwrap().into_u32().count(), 3 * bone.triangles.len());
+        for (q, p) in positions.into_iter().zip(own) {
+            let there = Vec3::new(p.x, p.z, -p.y) * 1e-3;
+            assert!((world(node.index(), q) - there).norm() < 1e-6, "{}", bone.name);
+        }
+    }
+}
+
+#[test]
+fn clusters_of_a_hand_need_a_fraction_of_the_additions() {
+    let hand = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/hand/skeleton.json");
+    let hand = read_skeleton(&hand).unwrap().skeleton;
+    let sums = FastSums::new(&hand.points, &hand.triangles, 8.0).unwrap();
+    assert!(sums.saving() >= 0.85, "{}", sums.saving());
+    let field: Vec<[f64; 1]> = hand.points.iter().map(|p| [p.x * p.y.sin()]).collect();
+    let fast = sums.sum(&field);
+    for i in (0..hand.points.len()).step_by(97) {
+        let near = hand.points.iter().map(|q| (q - hand.points[i]).norm() <= 8.0);
+        let own = near.zip(&field).filter(|(near, _)| *near);
+        let (sum, size) =
+            own.fold((0.0, 0.0), |(sum, size), (_, f)| (sum + f[0], size + f[0].abs()));
+        assert!((fast[i][0] - sum).abs() <= 1e-10 * size, "{i}");
+    }
 }
 
 #[test]

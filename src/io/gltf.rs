@@ -31,7 +31,7 @@ pub struct GltfNode {
     pub local: Isometry3<f64>,
     /// Mesh in the node's own frame.
     pub mesh: TriMesh,
-    /// Anything more.
+    /// Anything more; null for nothing.
     pub extras: Value,
     /// Parent from node at every time of the motion; empty = still.
     pub track: Vec<Isometry3<f64>>,
@@ -121,8 +121,11 @@ pub fn glb_bytes(scene: &GltfScene) -> Result<Vec<u8>> {
     for node in &scene.nodes {
         let mut entry = json!({
             "name": node.name, "translation": translation(&node.local),
-            "rotation": rotation(&node.local), "mesh": meshes.len(), "extras": node.extras
+            "rotation": rotation(&node.local), "mesh": meshes.len()
         });
+        if !node.extras.is_null() {
+            entry["extras"] = node.extras.clone();
+        }
         let own = nodes.len();
         let children: Vec<usize> = (0..scene.nodes.len())
             .filter(|&k| scene.nodes[k].parent == Some(own - 1))
