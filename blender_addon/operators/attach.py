@@ -5,7 +5,7 @@ import bpy
 
 from .. import properties
 from ..library import Wrong
-from .base import NeedsTemplate, poll_template, tells
+from .base import NeedsTemplate, tells
 
 
 class MOULAGE_OT_add_attachment(NeedsTemplate, bpy.types.Operator):
@@ -25,16 +25,15 @@ class MOULAGE_OT_add_attachment(NeedsTemplate, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_remove_attachment(bpy.types.Operator):
+class MOULAGE_OT_remove_attachment(NeedsTemplate, bpy.types.Operator):
     """Remove the attachment; the bone stays"""
 
     bl_idname = "moulage.remove_attachment"
     bl_label = "Remove Attachment"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        return poll_template(cls, context) and len(properties.template_of(context).moulage.attachments) > 0
+        return super().poll(context) and len(properties.template_of(context).moulage.attachments) > 0
 
     def execute(self, context):
         data = properties.template_of(context).moulage
@@ -63,16 +62,15 @@ class MOULAGE_OT_add_carried(NeedsTemplate, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_remove_carried(bpy.types.Operator):
+class MOULAGE_OT_remove_carried(NeedsTemplate, bpy.types.Operator):
     """Carry this mesh no longer; it keeps the shape it has"""
 
     bl_idname = "moulage.remove_carried"
     bl_label = "Remove Carried Mesh"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        return poll_template(cls, context) and len(properties.template_of(context).moulage.carried) > 0
+        return super().poll(context) and len(properties.template_of(context).moulage.carried) > 0
 
     def execute(self, context):
         data = properties.template_of(context).moulage

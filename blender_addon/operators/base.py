@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import bpy
+from bpy_extras.io_utils import ImportHelper
 
 from .. import properties, runs, units
 from ..library import Wrong
@@ -59,10 +60,32 @@ def tells(execute):
     return wrapped
 
 
-def dropped_or_chosen(operator):
-    """The files that were dropped, or the one chosen in the file browser."""
-    dropped = [Path(operator.directory) / f.name for f in operator.files if f.name]
-    return dropped or [Path(operator.filepath)]
+class Imports(ImportHelper):
+    """For operators that read files: chosen in the file browser, or dropped into the 3D view, which tells their folder
+    and names."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ""
+    files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
+    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
+
+    def invoke(self, context, event):
+        return self.execute(context) if self._dropped() else ImportHelper.invoke(self, context, event)
+
+    def paths(self):
+        return self._dropped() or [Path(self.filepath)]
+
+    def _dropped(self):
+        return [Path(self.directory) / f.name for f in self.files if f.name]
+
+
+class DropsIntoView:
+    """For file handlers (Blender 4.1 and newer)."""
+
+    @classmethod
+    def poll_drop(cls, context):
+        return context.area is not None and context.area.type == "VIEW_3D"
 
 
 def publish(context, current):

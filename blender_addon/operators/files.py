@@ -7,7 +7,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import landmarks, markers, problem, properties
 from ..library import Wrong, calls
-from .base import dropped_or_chosen, poll_template, tells
+from .base import DropsIntoView, Imports, NeedsTemplate, tells
 
 _READ = "*.mrk.json;*.json;*.fcsv;*.pp;*.csv;*.xyz;*.txt;*.ply"
 _WRITTEN = (
@@ -22,28 +22,19 @@ SCALE = bpy.props.FloatProperty(
 )
 
 
-class MOULAGE_OT_import_markers(bpy.types.Operator, ImportHelper):
+class MOULAGE_OT_import_markers(Imports, bpy.types.Operator):
     """Read points of the person's surface: 3D Slicer, MeshLab, tables. Slicer's are turned into RAS"""
 
     bl_idname = "moulage.import_markers"
     bl_label = "Import Markers"
-    bl_options = {"REGISTER", "UNDO"}
 
-    filename_ext = ""
     filter_glob: bpy.props.StringProperty(default=_READ, options={"HIDDEN"})
-    files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
-    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     as_empties: bpy.props.BoolProperty(name="As empties", description="One empty per marker, to move them by hand")
     scale: SCALE
 
-    def invoke(self, context, event):
-        # Dropped files come with their names.
-        dropped = any(f.name for f in self.files)
-        return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
-
     @tells
     def execute(self, context):
-        names = dropped_or_chosen(self)
+        names = self.paths()
         with calls() as library:
             positions = numpy.vstack([library.Markers.load(name).points for name in names]) * self.scale
         name = names[0].name.split(".")[0]
@@ -61,13 +52,12 @@ class MOULAGE_OT_import_markers(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_import_landmarks(bpy.types.Operator, ImportHelper):
+class MOULAGE_OT_import_landmarks(NeedsTemplate, bpy.types.Operator, ImportHelper):
     """Read landmarks: a table of pairs, or two marker files (the template's and the person's) that are paired
     by their labels"""
 
     bl_idname = "moulage.import_landmarks"
     bl_label = "Import Landmarks"
-    bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = ""
     filter_glob: bpy.props.StringProperty(default=_READ, options={"HIDDEN"})
@@ -76,10 +66,6 @@ class MOULAGE_OT_import_landmarks(bpy.types.Operator, ImportHelper):
         subtype="FILE_PATH",
     )
     scale: SCALE
-
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
 
     @tells
     def execute(self, context):
@@ -98,7 +84,8 @@ class MOULAGE_OT_import_landmarks(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-class _Export(ExportHelper):
+class _Export(NeedsTemplate, ExportHelper):
+    bl_options = {"REGISTER"}
     check_extension = None
 
     def invoke(self, context, event):
@@ -127,7 +114,7 @@ class _Export(ExportHelper):
 _FORMAT = bpy.props.EnumProperty(name="Format", items=[(ending, text, "") for ending, text in _WRITTEN])
 
 
-class MOULAGE_OT_export_markers(bpy.types.Operator, _Export):
+class MOULAGE_OT_export_markers(_Export, bpy.types.Operator):
     """Write the markers for 3D Slicer, MeshLab or as a table"""
 
     bl_idname = "moulage.export_markers"
@@ -138,10 +125,6 @@ class MOULAGE_OT_export_markers(bpy.types.Operator, _Export):
     format: _FORMAT
     scale: SCALE
 
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
-
     @tells
     def execute(self, context):
         positions = markers.points(properties.template_of(context))
@@ -150,7 +133,7 @@ class MOULAGE_OT_export_markers(bpy.types.Operator, _Export):
         return self.save(positions, None)
 
 
-class MOULAGE_OT_export_landmarks(bpy.types.Operator, _Export):
+class MOULAGE_OT_export_landmarks(_Export, bpy.types.Operator):
     """Write one side of the landmarks for 3D Slicer, MeshLab or as a table"""
 
     bl_idname = "moulage.export_landmarks"
@@ -163,10 +146,6 @@ class MOULAGE_OT_export_landmarks(bpy.types.Operator, _Export):
         name="Side", items=[("TARGET", "Person", "Their places on the person"), ("TEMPLATE", "Template", "Their places on the template")]
     )
     scale: SCALE
-
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context)
 
     @tells
     def execute(self, context):
@@ -186,16 +165,12 @@ classes = (
 
 if bpy.app.version >= (4, 1, 0):
 
-    class MOULAGE_FH_markers(bpy.types.FileHandler):
+    class MOULAGE_FH_markers(DropsIntoView, bpy.types.FileHandler):
         """Marker files can be dropped into the 3D view."""
 
         bl_idname = "MOULAGE_FH_markers"
         bl_label = "Moulage markers"
         bl_import_operator = "moulage.import_markers"
         bl_file_extensions = ".json;.fcsv;.pp;.csv;.xyz"
-
-        @classmethod
-        def poll_drop(cls, context):
-            return context.area is not None and context.area.type == "VIEW_3D"
 
     classes += (MOULAGE_FH_markers,)

@@ -8,7 +8,7 @@ from mathutils.bvhtree import BVHTree
 
 from .. import landmarks, markers, problem, properties, units
 from ..library import Wrong, calls
-from .base import NeedsTemplate, poll_template, tells
+from .base import NeedsTemplate, tells
 
 
 class MOULAGE_OT_add_landmark(NeedsTemplate, bpy.types.Operator):
@@ -27,18 +27,17 @@ class MOULAGE_OT_add_landmark(NeedsTemplate, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_remove_landmark(bpy.types.Operator):
+class MOULAGE_OT_remove_landmark(NeedsTemplate, bpy.types.Operator):
     """Remove the landmark and its two empties"""
 
     bl_idname = "moulage.remove_landmark"
     bl_label = "Remove Landmark"
-    bl_options = {"REGISTER", "UNDO"}
 
     all: bpy.props.BoolProperty(name="All", description="Remove all landmarks")
 
     @classmethod
     def poll(cls, context):
-        return poll_template(cls, context) and len(properties.template_of(context).moulage.landmarks) > 0
+        return super().poll(context) and len(properties.template_of(context).moulage.landmarks) > 0
 
     def execute(self, context):
         template = properties.template_of(context)
@@ -69,18 +68,17 @@ class MOULAGE_OT_mirror_landmarks(NeedsTemplate, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_place_template(bpy.types.Operator):
+class MOULAGE_OT_place_template(NeedsTemplate, bpy.types.Operator):
     """Turn and move the template to where the person is: by three or more landmarks, else by the markers"""
 
     bl_idname = "moulage.place_template"
     bl_label = "Place Template"
-    bl_options = {"REGISTER", "UNDO"}
 
     scale: bpy.props.BoolProperty(name="Change the size", description="Scale the template as well")
 
     @classmethod
     def poll(cls, context):
-        if not poll_template(cls, context):
+        if not super().poll(context):
             return False
         template = properties.template_of(context)
         data = template.moulage

@@ -7,7 +7,7 @@ import numpy
 from bpy_extras import view3d_utils
 
 from .. import landmarks, markers, mesh_data, properties, scan
-from .base import poll_template
+from .base import NeedsTemplate
 
 # A click this near to a marker, in pixels, means the marker.
 _SNAP = 25
@@ -68,7 +68,7 @@ def nearest_marker(template, region, view, mouse):
     return mathutils.Vector(points[nearest]) if gaps[nearest] <= _SNAP else None
 
 
-class _Clicks:
+class _Clicks(NeedsTemplate):
     """A modal operator that takes clicks in a 3D view until Esc; the view can be moved meanwhile."""
 
     bl_options = {"REGISTER"}
@@ -78,7 +78,7 @@ class _Clicks:
         if bpy.app.background:
             cls.poll_message_set("Needs a window")
             return False
-        return poll_template(cls, context)
+        return super().poll(context)
 
     def invoke(self, context, _event):
         context.window_manager.modal_handler_add(self)

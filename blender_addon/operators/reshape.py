@@ -4,7 +4,7 @@
 import bpy
 
 from .. import landmarks, properties, runs, solve
-from .base import Runs, poll_template
+from .base import NeedsTemplate, Runs
 
 
 def _has_data(cls, template):
@@ -15,7 +15,7 @@ def _has_data(cls, template):
     return False
 
 
-class MOULAGE_OT_reshape(Runs, bpy.types.Operator):
+class MOULAGE_OT_reshape(Runs, NeedsTemplate, bpy.types.Operator):
     """Put the template into the person's shape. Blender stays free meanwhile; Stop, or Esc over a 3D view,
     keeps the best shape so far"""
 
@@ -24,7 +24,7 @@ class MOULAGE_OT_reshape(Runs, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return poll_template(cls, context) and _has_data(cls, properties.template_of(context))
+        return super().poll(context) and _has_data(cls, properties.template_of(context))
 
     def begin(self, context):
         return solve.Solve(context, properties.template_of(context))

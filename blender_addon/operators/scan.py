@@ -2,34 +2,25 @@
 """The scan: load it, choose a window, show its slices."""
 
 import bpy
-from bpy_extras.io_utils import ImportHelper
 
 from .. import markers, properties, scan
 from ..library import Wrong, calls
-from .base import dropped_or_chosen, poll_template, tells
+from .base import DropsIntoView, Imports, NeedsTemplate, tells
 
 
-class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
+class MOULAGE_OT_load_scan(Imports, bpy.types.Operator):
     """Load an image volume: NIfTI, NRRD, MetaImage, or DICOM: a folder with one series, or any one file of a series"""
 
     bl_idname = "moulage.load_scan"
     bl_label = "Load Scan"
-    bl_options = {"REGISTER", "UNDO"}
 
-    filename_ext = ""
     filter_glob: bpy.props.StringProperty(default="*.nii;*.gz;*.nrrd;*.nhdr;*.mha;*.mhd;*.dcm;*.ima;*", options={"HIDDEN"})
-    files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
-    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
-
-    def invoke(self, context, event):
-        dropped = any(f.name for f in self.files)
-        return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
 
     @tells
     def execute(self, context):
         settings = context.scene.moulage
         before = settings.scan
-        settings.scan = str(dropped_or_chosen(self)[0])
+        settings.scan = str(self.paths()[0])
         try:
             read, info = scan.volume(context.scene)
             settings.window_width, settings.window_level = (float(v) for v in info["window"])
@@ -42,20 +33,19 @@ class MOULAGE_OT_load_scan(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_markers_from_label(bpy.types.Operator):
+class MOULAGE_OT_markers_from_label(NeedsTemplate, bpy.types.Operator):
     """Put markers on the outlines of a label of the map, as a person would click them on slices; they replace the
     template's marker object"""
 
     bl_idname = "moulage.markers_from_label"
     bl_label = "Markers from Label"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         if not context.scene.moulage.label_map:
             cls.poll_message_set("Choose a label map first")
             return False
-        return poll_template(cls, context)
+        return super().poll(context)
 
     @tells
     def execute(self, context):
@@ -124,16 +114,12 @@ classes = (MOULAGE_OT_load_scan, MOULAGE_OT_markers_from_label, MOULAGE_OT_scan_
 
 if bpy.app.version >= (4, 1, 0):
 
-    class MOULAGE_FH_scan(bpy.types.FileHandler):
+    class MOULAGE_FH_scan(DropsIntoView, bpy.types.FileHandler):
         """Images can be dropped into the 3D view."""
 
         bl_idname = "MOULAGE_FH_scan"
         bl_label = "Moulage scan"
         bl_import_operator = "moulage.load_scan"
         bl_file_extensions = ".nii;.gz;.nrrd;.nhdr;.mha;.mhd;.dcm;.ima"
-
-        @classmethod
-        def poll_drop(cls, context):
-            return context.area is not None and context.area.type == "VIEW_3D"
 
     classes += (MOULAGE_FH_scan,)

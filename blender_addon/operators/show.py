@@ -6,48 +6,41 @@ import numpy
 
 from .. import heat_map, mesh_data, properties
 from ..library import Wrong
-from .base import poll_template, tells
+from .base import NeedsTemplate, tells
 
 
-def _has_result(cls, context):
-    template = properties.template_of(context)
-    if template is None or not template.moulage.result.key:
-        cls.poll_message_set("There is no result yet: reshape first")
-        return False
-    return True
+class _NeedsResult(NeedsTemplate):
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not properties.template_of(context).moulage.result.key:
+            cls.poll_message_set("There is no result yet: reshape first")
+            return False
+        return True
 
 
-class MOULAGE_OT_show_heat_map(bpy.types.Operator):
+class MOULAGE_OT_show_heat_map(_NeedsResult, bpy.types.Operator):
     """Colour the template by how far its markers are off, or by how much it was stretched"""
 
     bl_idname = "moulage.show_heat_map"
     bl_label = "Show Heat Map"
-    bl_options = {"REGISTER", "UNDO"}
 
     kind: bpy.props.EnumProperty(
         name="Heat map",
         items=[("NONE", "None", ""), ("DISTANCE", "Distance", ""), ("STRETCH", "Stretch", "")],
     )
 
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context) and _has_result(cls, context)
-
     def execute(self, context):
         heat_map.show(context, properties.template_of(context), self.kind)
         return {"FINISHED"}
 
 
-class MOULAGE_OT_copy_result(bpy.types.Operator):
+class MOULAGE_OT_copy_result(_NeedsResult, bpy.types.Operator):
     """Make a new object in the person's shape, without shape keys; textures, groups and materials are kept"""
 
     bl_idname = "moulage.copy_result"
     bl_label = "Copy as New Object"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return poll_template(cls, context) and _has_result(cls, context)
 
     @tells
     def execute(self, context):

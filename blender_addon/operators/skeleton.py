@@ -2,23 +2,16 @@
 """Skeletons: files in and out, soft tissues, registration, motions."""
 
 import bpy
-from bpy_extras.io_utils import ExportHelper, ImportHelper
+from bpy_extras.io_utils import ExportHelper
 
 from .. import registering, rig, skeleton_files, skeleton_properties
 from ..library import Wrong
-from .base import Runs, dropped_or_chosen, poll_idle, tells
+from .base import DropsIntoView, Imports, Runs, poll_idle, tells
 from .files import SCALE
 
 
-def _poll_skeleton(cls, context):
-    """For `poll`: there is a skeleton, nothing is edited, and no run is going on."""
-    if skeleton_properties.skeleton_of(context) is None:
-        cls.poll_message_set("Pick a skeleton first")
-        return False
-    return _poll_object_mode(cls, context)
-
-
 def _poll_object_mode(cls, context):
+    """For `poll`: nothing is edited, and no run is going on."""
     if not poll_idle(cls):
         return False
     if context.mode != "OBJECT":
@@ -27,50 +20,53 @@ def _poll_object_mode(cls, context):
     return True
 
 
-class MOULAGE_OT_import_skeleton(bpy.types.Operator, ImportHelper):
+class _NeedsSkeleton:
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if skeleton_properties.skeleton_of(context) is None:
+            cls.poll_message_set("Pick a skeleton first")
+            return False
+        return _poll_object_mode(cls, context)
+
+
+class MOULAGE_OT_import_skeleton(Imports, bpy.types.Operator):
     """Read a skeleton: an armature with joint limits, and a mesh on each bone"""
 
     bl_idname = "moulage.import_skeleton"
     bl_label = "Import Skeleton"
-    bl_options = {"REGISTER", "UNDO"}
 
-    filename_ext = ""
     filter_glob: bpy.props.StringProperty(default="*.json;*.osim", options={"HIDDEN"})
-    files: bpy.props.CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
-    directory: bpy.props.StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
     scale: SCALE
 
     @classmethod
     def poll(cls, context):
         return _poll_object_mode(cls, context)
 
-    def invoke(self, context, event):
-        dropped = any(f.name for f in self.files)
-        return self.execute(context) if dropped else ImportHelper.invoke(self, context, event)
-
     @tells
     def execute(self, context):
-        path = dropped_or_chosen(self)[0]
-        armature, notes = skeleton_files.load(context, path, self.scale)
-        context.scene.moulage.skeleton = armature
-        self.report({"INFO"}, " ".join([f"{len(armature.data.bones)} bones read.", *notes]))
+        count, said = 0, []
+        for path in self.paths():
+            armature, notes = skeleton_files.load(context, path, self.scale)
+            context.scene.moulage.skeleton = armature
+            count += len(armature.data.bones)
+            said += notes
+        self.report({"INFO"}, " ".join([f"{count} bones read.", *said]))
         return {"FINISHED"}
 
 
-class MOULAGE_OT_export_skeleton(bpy.types.Operator, ExportHelper):
+class MOULAGE_OT_export_skeleton(_NeedsSkeleton, bpy.types.Operator, ExportHelper):
     """Write the skeleton: .skeleton.json with the bones beside it, or a .glb scene"""
 
     bl_idname = "moulage.export_skeleton"
     bl_label = "Export Skeleton"
+    bl_options = {"REGISTER"}
 
     check_extension = None
     filename_ext = ".skeleton.json"
     person: bpy.props.BoolProperty(name="Person", description="Write the person's skeleton instead of the template")
     scale: SCALE
-
-    @classmethod
-    def poll(cls, context):
-        return _poll_skeleton(cls, context)
 
     def invoke(self, context, event):
         if not self.filepath:
@@ -89,16 +85,11 @@ class MOULAGE_OT_export_skeleton(bpy.types.Operator, ExportHelper):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_add_soft_tissue(bpy.types.Operator):
+class MOULAGE_OT_add_soft_tissue(_NeedsSkeleton, bpy.types.Operator):
     """Carry the selected meshes along with the bones: muscles, skin"""
 
     bl_idname = "moulage.add_soft_tissue"
     bl_label = "Carry Selected"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return _poll_skeleton(cls, context)
 
     @tells
     def execute(self, context):
@@ -117,16 +108,11 @@ class MOULAGE_OT_add_soft_tissue(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_remove_soft_tissue(bpy.types.Operator):
+class MOULAGE_OT_remove_soft_tissue(_NeedsSkeleton, bpy.types.Operator):
     """Carry this mesh no longer"""
 
     bl_idname = "moulage.remove_soft_tissue"
     bl_label = "Remove Soft Tissue"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return _poll_skeleton(cls, context)
 
     def execute(self, context):
         data = skeleton_properties.skeleton_of(context).moulage_skeleton
@@ -135,7 +121,7 @@ class MOULAGE_OT_remove_soft_tissue(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MOULAGE_OT_register(Runs, bpy.types.Operator):
+class MOULAGE_OT_register(Runs, _NeedsSkeleton, bpy.types.Operator):
     """Put the skeleton on the person's bones, each joint inside its limits. The person becomes an armature of its
     own; Blender stays free meanwhile; Stop, or Esc over a 3D view, keeps the best so far"""
 
@@ -144,7 +130,7 @@ class MOULAGE_OT_register(Runs, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not _poll_skeleton(cls, context):
+        if not super().poll(context):
             return False
         missing = registering.missing(skeleton_properties.skeleton_of(context))
         if missing:
@@ -155,18 +141,13 @@ class MOULAGE_OT_register(Runs, bpy.types.Operator):
         return registering.Registering(context, skeleton_properties.skeleton_of(context))
 
 
-class MOULAGE_OT_show_action(bpy.types.Operator):
+class MOULAGE_OT_show_action(_NeedsSkeleton, bpy.types.Operator):
     """Show the person in the pose of the scan, or moving as the template moves"""
 
     bl_idname = "moulage.show_action"
     bl_label = "Show Pose or Motion"
-    bl_options = {"REGISTER", "UNDO"}
 
     kind: bpy.props.EnumProperty(name="Show", items=[("POSE", "Pose of the Scan", ""), ("MOTION", "Motion", "")])
-
-    @classmethod
-    def poll(cls, context):
-        return _poll_skeleton(cls, context)
 
     @tells
     def execute(self, context):
@@ -187,16 +168,12 @@ classes = (
 
 if bpy.app.version >= (4, 1, 0):
 
-    class MOULAGE_FH_skeleton(bpy.types.FileHandler):
+    class MOULAGE_FH_skeleton(DropsIntoView, bpy.types.FileHandler):
         """Skeleton files can be dropped into the 3D view."""
 
         bl_idname = "MOULAGE_FH_skeleton"
         bl_label = "Moulage skeleton"
         bl_import_operator = "moulage.import_skeleton"
         bl_file_extensions = ".json;.osim"
-
-        @classmethod
-        def poll_drop(cls, context):
-            return context.area is not None and context.area.type == "VIEW_3D"
 
     classes += (MOULAGE_FH_skeleton,)
