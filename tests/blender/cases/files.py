@@ -1,6 +1,7 @@
 """Markers and landmarks in files, and landmarks in the scene."""
 
 import tempfile
+import types
 import unittest
 from pathlib import Path
 
@@ -23,11 +24,6 @@ class Files(unittest.TestCase):
                 bpy.ops.moulage.import_markers(filepath=path)
                 self.assertNotEqual(template.moulage.markers.name, "marks")
                 numpy.testing.assert_allclose(part("markers").points(template), marks, atol=1e-4)
-
-    def test_several_files_that_are_dropped_become_one_object(self):
-        template = scenes.ball_and_markers()
-        bpy.ops.moulage.import_markers(directory=str(scenes.LIVER), files=[{"name": "markers.csv"}, {"name": "markers.csv"}])
-        self.assertEqual(len(template.moulage.markers.data.vertices), 2 * 308)
 
     def test_landmarks_go_out_and_are_paired_by_their_names(self):
         template = scenes.ball_and_markers()
@@ -55,6 +51,64 @@ class Files(unittest.TestCase):
             path.write_text("{")
             with self.assertRaisesRegex(RuntimeError, "bad.mrk.json"):
                 bpy.ops.moulage.import_markers(filepath=str(path))
+
+
+class DragAndDrop(unittest.TestCase):
+    @unittest.skipIf(bpy.app.version < (4, 1, 0), "files can be dropped from Blender 4.1 on")
+    def test_each_kind_of_file_is_taken_by_a_3d_view_and_by_no_other_editor(self):
+        handlers = {cls.bl_idname: cls for cls in bpy.types.FileHandler.__subclasses__()}
+        for kind, endings in (
+            ("scan", (".nii", ".gz", ".nrrd", ".dcm", ".mha")), ("skeleton", (".json", ".osim")),
+            ("markers", (".json", ".fcsv", ".pp", ".csv")),
+        ):
+            with self.subTest(kind=kind):
+                handler = handlers[f"MOULAGE_FH_{kind}"]
+                self.assertLessEqual(set(endings), set(handler.bl_file_extensions.split(";")))
+                for area, taken in (("VIEW_3D", True), ("IMAGE_EDITOR", False), (None, False)):
+                    place = types.SimpleNamespace(area=area and types.SimpleNamespace(type=area))
+                    self.assertEqual(handler.poll_drop(place), taken)
+                category, name = handler.bl_import_operator.split(".")
+                told = getattr(getattr(bpy.ops, category), name).get_rna_type().properties
+                # What Blender sets when files are dropped.
+                self.assertLessEqual({"filepath", "directory", "files"}, set(told.keys()))
+
+    def test_several_marker_files_become_one_object(self):
+        template = scenes.ball_and_markers()
+        bpy.ops.moulage.import_markers(
+            "INVOKE_DEFAULT", directory=str(scenes.LIVER), files=[{"name": "markers.csv"}, {"name": "markers.csv"}]
+        )
+        self.assertEqual(len(template.moulage.markers.data.vertices), 2 * 308)
+
+    def test_one_bad_file_among_several_changes_nothing(self):
+        template = scenes.ball_and_markers()
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "good.csv").write_text("1,2,3\n4,5,6\n")
+            (Path(folder) / "bad.fcsv").write_text("none")
+            names = [{"name": "good.csv"}, {"name": "bad.fcsv"}]
+            with self.assertRaisesRegex(RuntimeError, "bad.fcsv"):
+                bpy.ops.moulage.import_markers("INVOKE_DEFAULT", directory=folder, files=names)
+        self.assertEqual(template.moulage.markers.name, "marks")
+        self.assertNotIn("good", bpy.data.objects)
+
+    def test_several_slices_of_a_series_are_one_scan(self):
+        scenes.ball_and_markers()
+        bpy.context.scene.unit_settings.scale_length = 0.001
+        with tempfile.TemporaryDirectory() as folder:
+            scenes.write_egg_dicom(Path(folder))
+            names = [{"name": path.name} for path in sorted(Path(folder).iterdir())[:5]]
+            bpy.ops.moulage.load_scan("INVOKE_DEFAULT", directory=folder, files=names)
+            self.assertEqual(list(part("scan").volume(bpy.context.scene)[1]["size"]), [41, 41, 41])
+            bpy.context.scene.moulage.scan = ""
+
+    def test_several_skeletons_become_an_armature_each(self):
+        scenes.empty_scene()
+        hand = str(scenes.ROOT / "examples" / "hand")
+        bpy.ops.moulage.import_skeleton("INVOKE_DEFAULT", directory=hand, files=[{"name": "skeleton.json"}] * 2)
+        armatures = [ob for ob in bpy.data.objects if ob.type == "ARMATURE"]
+        self.assertEqual(len(armatures), 2)
+        self.assertEqual(*(len(ob.children) for ob in armatures))
+        self.assertIn(bpy.context.scene.moulage.skeleton, armatures)
+        scenes.empty_scene()
 
 
 class Landmarks(unittest.TestCase):

@@ -83,13 +83,6 @@ class Scan(unittest.TestCase):
         self.settings.scan = ""
         bpy.ops.moulage.load_scan(directory=self.folder.name, files=[{"name": "egg.nrrd"}])
         self.assertEqual(self.settings.scan, str(self.path))
-        if bpy.app.version >= (4, 1, 0):
-            handlers = {cls.bl_idname: cls for cls in bpy.types.FileHandler.__subclasses__()}
-            for name, ending in (("scan", ".nii"), ("skeleton", ".json"), ("markers", ".fcsv")):
-                handler = handlers[f"MOULAGE_FH_{name}"]
-                self.assertIn(ending, handler.bl_file_extensions.split(";"))
-                category, operator = handler.bl_import_operator.split(".")
-                self.assertTrue(hasattr(getattr(bpy.ops, category), operator))
 
     def test_a_label_map_becomes_markers(self):
         labels = (scenes.egg_image() > 0) * 5
