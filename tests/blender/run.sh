@@ -26,11 +26,11 @@ for folder in CONFIG SCRIPTS DATAFILES; do
 done
 timeout 900 blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- "$dist"
 rm -rf "$pictures"
-LIBGL_ALWAYS_SOFTWARE=1 timeout 1500 xvfb-run -a -s "-screen 0 1400x1000x24 +extension GLX +render -noreset" \
+LIBGL_ALWAYS_SOFTWARE=1 timeout 2400 xvfb-run -a -s "-screen 0 1400x1000x24 +extension GLX +render -noreset" \
     blender --factory-startup --enable-event-simulate --window-geometry 0 0 1400 1000 \
-    --python tests/blender/window.py -- "$dist" "$pictures"
-for picture in start template_and_markers landmarks running result heat_map_distance heat_map_stretch scan \
-    skeleton_start skeleton_running skeleton; do
+    --python tests/blender/window/session.py -- "$dist" "$pictures"
+for picture in start check tets template_and_markers landmarks attachments attached running result heat_map_distance \
+    heat_map_stretch slices scan label_map skeleton_start skeleton_running skeleton; do
     colours=$(identify -format %k "$pictures/$picture.png")
     [ "$colours" -gt 500 ] || { echo "$pictures/$picture.png shows next to nothing"; exit 1; }
 done
