@@ -163,16 +163,20 @@ impl RegisterReport {
             }
         }
         html.push_str(
-            "<h2>Bones</h2><table><tr><th>bone<th>mean residual<th>largest<th>seen %</tr>",
+            "<h2>Bones</h2><table><tr><th>bone<th>mean residual<th>largest<th>seen %\
+             <th>deepest inside another bone</tr>",
         );
         for b in &self.bones {
             let _ = write!(
                 html,
-                "<tr><td>{}<td>{:.3}<td>{:.3}<td>{:.0}</tr>",
+                "<tr><td>{}<td>{:.3}<td>{:.3}<td>{:.0}<td>{}</tr>",
                 escaped(&b.name),
                 b.mean_residual,
                 b.max_residual,
-                100.0 * b.seen
+                100.0 * b.seen,
+                b.penetrates.as_ref().map_or_else(String::new, |other| {
+                    format!("{:.2} in {}", b.penetration, escaped(other))
+                })
             );
         }
         html.push_str(

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::math::Vec3;
 
 /// Items in a leaf: small enough to prune well, large enough to keep the tree shallow.
-const LEAF_ITEMS: usize = 2;
+const LEAF_ITEMS: usize = 4;
 /// Boxes are searched a little beyond the best distance, so that rounding never hides a tie.
 const SLACK: f64 = 1.0 + 1e-12;
 
@@ -47,9 +47,10 @@ impl ShortBounds {
     const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
     fn around(bounds: &Bounds) -> Self {
+        // One step of single precision down, whichever way the conversion rounded.
         let below = |x: f64| {
             let near = x as f32;
-            if f64::from(near) > x { near.next_down() } else { near }
+            near - (near.abs() * f32::EPSILON + f32::MIN_POSITIVE)
         };
         let (low, high) = (bounds.low, bounds.high);
         Self {

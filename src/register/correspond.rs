@@ -130,23 +130,32 @@ impl<'a> Correspond<'a> {
                 let local: Vec<[u32; 3]> =
                     triangles[range.clone()].iter().map(|t| t.map(|v| v - first)).collect();
                 let points = &skeleton.points[vertices.clone()];
-                let forward = Samples::new(points, &areas[vertices.clone()], spacing);
-                let backward = Samples::new(&surface.mesh.points, &surface.areas, spacing);
-                let group = Group {
+                let mut group = Group {
                     vertices: vertices.clone(),
                     faces: range,
                     search: ClosestPoints::new(points, &local),
                     triangles: local,
-                    forward_hits: vec![u32::MAX; forward.vertices.len()],
-                    backward_hits: vec![u32::MAX; backward.vertices.len()],
-                    forward,
-                    backward,
+                    forward: Samples::default(),
+                    backward: Samples::default(),
+                    forward_hits: Vec::new(),
+                    backward_hits: Vec::new(),
                 };
+                group.sample(points, &areas[vertices], surface, spacing);
                 Some((group, surface))
             })
             .collect();
         let image = target.image.as_ref().map(|image| (image, areas.to_vec()));
         Self { groups, image, vertex_count: skeleton.points.len(), triangles }
+    }
+
+    /// The same search at another sampling density.
+    pub(super) fn resampled(&self, points: &[Vec3], areas: &[f64], spacing: f64) -> Self {
+        let mut other = self.clone();
+        for (group, surface) in &mut other.groups {
+            let vertices = group.vertices.clone();
+            group.sample(&points[vertices.clone()], &areas[vertices], surface, spacing);
+        }
+        other
     }
 
     /// Whether the target is an image.
@@ -238,6 +247,14 @@ fn image_pairs(
 }
 
 impl Group {
+    /// Chooses the vertices of both sides that are searched.
+    fn sample(&mut self, points: &[Vec3], areas: &[f64], surface: &SearchedSurface, spacing: f64) {
+        self.forward = Samples::new(points, areas, spacing);
+        self.backward = Samples::new(&surface.mesh.points, &surface.areas, spacing);
+        self.forward_hits = vec![u32::MAX; self.forward.vertices.len()];
+        self.backward_hits = vec![u32::MAX; self.backward.vertices.len()];
+    }
+
     /// Template vertices to the target surface.
     fn forward_pairs<'b>(
         &'b mut self,

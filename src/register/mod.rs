@@ -21,6 +21,7 @@ mod levels;
 mod neighbours;
 mod normals;
 pub mod options;
+mod penetration;
 pub mod pose;
 pub mod pose_at_once;
 mod pose_rows;

@@ -132,7 +132,8 @@ impl Registration {
             }
             let share = |k: usize| 0.15 + 0.8 * k as f64 / self.levels.len() as f64;
             run.enter(&level.name(), share(k));
-            let mut search = self.search(target, level.spacing);
+            let mut search =
+                search_coarse.resampled(&self.template.points, &self.areas, level.spacing);
             let most = self.options.max_iterations;
             trace.push(self.run_level(level, &mut search, &mut state, run, most));
             if k < REPAIRED_LEVELS && self.options.use_joints && target.image.is_none() {

@@ -4,7 +4,7 @@ use super::neighbours::PointGrid;
 use crate::math::Vec3;
 
 /// Chosen vertices with the area each stands for.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Samples {
     pub(super) vertices: Vec<u32>,
     pub(super) areas: Vec<f64>,

@@ -4,6 +4,7 @@ use nalgebra::Isometry3;
 use serde::Serialize;
 
 use super::correspond::Correspondences;
+use super::penetration::penetrations;
 use super::pose::{LimitState, limit_state};
 use super::skeleton::Skeleton;
 use crate::math::Vec3;
@@ -55,6 +56,10 @@ pub struct BoneSummary {
     /// Residual more than three times that of the middle bone, and not small: perhaps it lies on a
     /// neighbour's surface.
     pub suspicious: bool,
+    /// Depth of its deepest vertex inside another bone; 0 = inside none.
+    pub penetration: f64,
+    /// That other bone.
+    pub penetrates: Option<String>,
 }
 
 /// One joint of the result.
@@ -112,6 +117,10 @@ impl Registered {
         for bone in &mut bones {
             bone.suspicious = bone.mean_residual > far;
         }
+        for (bone, found) in bones.iter_mut().zip(penetrations(&skeleton)) {
+            bone.penetration = found.as_ref().map_or(0.0, |p| p.depth);
+            bone.penetrates = found.map(|p| skeleton.bones[p.into].name.clone());
+        }
         let joints = joint_summaries(&skeleton, &seams);
         Self { skeleton, elastic_points, scales, coefficients, bones, joints, levels, cancelled }
     }
@@ -142,6 +151,8 @@ fn bone_summary(skeleton: &Skeleton, b: usize, pairs: &Correspondences) -> BoneS
         max_residual: most,
         seen: seen / bone.vertices.len().max(1) as f64,
         suspicious: false,
+        penetration: 0.0,
+        penetrates: None,
     }
 }
 
