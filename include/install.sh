@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
 # Builds the library and installs it for C and C++ on Linux: headers, shared and static library,
 # pkg-config file, CMake package.
-#   include/install.sh PREFIX [PROFILE]      PROFILE: release (default) or dev
+#   include/install.sh PREFIX
 set -euo pipefail
 cd "$(dirname "$0")/.."
 prefix=$(realpath -m "${1:?where to install, such as /usr/local}")
-profile=${2:-release}
-cargo build --profile "$profile"
-[ "$profile" = dev ] && profile=debug
-built=${CARGO_TARGET_DIR:-target}/$profile
+cargo build --release
+built=${CARGO_TARGET_DIR:-target}/release
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 soname=libmoulage.so.${version%.*}
 

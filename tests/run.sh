@@ -55,12 +55,12 @@ run_blender() {
 # Images written by other programs, compared with what SimpleITK sees.
 run_images() {
     install_debian python3-venv
-    cargo build
+    cargo build --release
     local tools
     tools=$(mktemp -d)
     python3 -m venv "$tools"
     "$tools/bin/pip" install --quiet numpy pillow pydicom SimpleITK
-    "$tools/bin/python" tests/images/formats.py target/debug/moulage
+    "$tools/bin/python" tests/images/formats.py target/release/moulage
     rm -rf "$tools"
 }
 

@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.."
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 prefix=$out/prefix
-include/install.sh "$prefix" dev
+include/install.sh "$prefix"
 
 cmake -S tests/c/consumer -B "$out/cmake" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$out/cmake" >/dev/null

@@ -4,8 +4,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-cargo build
-libraries=$(realpath "${CARGO_TARGET_DIR:-target}/debug")
+cargo build --release
+libraries=$(realpath "${CARGO_TARGET_DIR:-target}/release")
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 

@@ -20,7 +20,7 @@ fi
 
 cargo build
 cmake -S meshlab_plugin -B "$work/2025.07-float" -DMESHLAB_SOURCE_DIR="$work/source" \
-    -DMESHLAB_VERSION=2025.07 -DMOULAGE_LIBRARY="$(realpath "${CARGO_TARGET_DIR:-target}/debug/libmoulage.a")" >/dev/null
+    -DMESHLAB_VERSION=2025.07 -DMOULAGE_LIBRARY="$(realpath "${CARGO_TARGET_DIR:-target}/release/libmoulage.a")" >/dev/null
 cmake --build "$work/2025.07-float"
 plugins=$root/root/.local/share/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07
 mkdir -p "$plugins" "$root/work"

@@ -11,8 +11,8 @@ fi
 mkdir -p "$work"
 work=$(realpath "$work")
 
-cargo build
-libraries=$(realpath "${CARGO_TARGET_DIR:-target}/debug")
+cargo build --release
+libraries=$(realpath "${CARGO_TARGET_DIR:-target}/release")
 tests/meshlab/sources.sh "$work"
 
 for build in 2025.07:double 2023.12:double 2025.07:float; do
