@@ -6,7 +6,7 @@ from events import (
 )
 from mathutils import Vector
 from setting import LIVER, with_markers
-from sidebar import ICON, LEFT, click_button, open_tab, show_panels, type_into
+from sidebar import ICON, LEFT, click_button, find, open_tab, show_panels, type_into
 
 
 def session():
@@ -65,8 +65,9 @@ def click_pairs():
 
 def mirror_names():
     """The first is named lobe.L; its partner is made on the other side, and clicked on the person."""
-    # The first row of the list.
-    yield from click_button(".active_landmark", LEFT, ctrl=True)
+    # The first row of the list is left of the button that removes one.
+    x, y = yield from find("moulage.remove_landmark(all=False)", ICON)
+    yield from click(x - 90, y - 4, ctrl=True)
     yield from pause(0.3)
     press("A", ctrl=True)
     yield from type_text("lobe.L")
