@@ -177,8 +177,7 @@ fn page(cases: &[Case], groups: &[Group]) -> String {
         let _ = write!(html, "<tr><td>{link}<td class={word}>{word}{kept}");
         for figure in &figures {
             let value = record.figures.get(*figure);
-            let _ =
-                write!(html, "<td class=n>{}", value.map_or(String::new(), |v| format!("{v:.4}")));
+            let _ = write!(html, "<td class=n>{}", value.map_or_else(String::new, number));
         }
         let _ =
             writeln!(html, "<td class=n>{:.1}<td>{}</tr>", record.seconds, escape(&record.message));
@@ -227,4 +226,9 @@ fn statistics(group: &Group) -> String {
 
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// Counts without decimals.
+fn number(value: &f64) -> String {
+    if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.4}") }
 }
