@@ -17,6 +17,7 @@ mod model_job;
 mod osim_write;
 mod output;
 mod overlay;
+mod png_file;
 mod provenance;
 mod refine;
 mod register_job;
@@ -31,6 +32,7 @@ mod slice_job;
 mod slice_picture;
 mod spec;
 mod statistics;
+mod threads;
 mod track_job;
 
 pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};

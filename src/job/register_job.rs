@@ -12,6 +12,7 @@ use super::register_output as output;
 use super::register_report::RegisterReport;
 use super::skeleton_build::build_skeleton;
 use super::slice_job::only_label;
+use super::threads::on_threads;
 use super::track_job::relative_reach;
 use crate::error::{Error, Result};
 use crate::io::bvh::read_bvh;
@@ -140,12 +141,7 @@ pub fn read_skeleton(path: &Path) -> Result<SkeletonFiles> {
 
 /// Reads, registers and writes all that `job` names. A cancelled run writes what it has.
 pub fn run_register(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
-    let Some(threads) = job.threads else { return run_here(job, run) };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| Error::invalid(format!("{threads} threads cannot be started: {e}")))?;
-    pool.install(|| run_here(job, run))
+    on_threads(job.threads, || run_here(job, run))
 }
 
 fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {

@@ -12,6 +12,7 @@ use super::refine::{self, Refinement};
 use super::report::{Ending, Report, Stage};
 use super::result::Outcome;
 use super::spec::{Align, ReshapeJob};
+use super::threads::on_threads;
 use crate::align::{Freedom, Similarity, pre_align};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -32,12 +33,7 @@ pub struct JobResult {
 /// solver gives up, writes its best shape; [`Report::ending`] tells. Nothing is written if the
 /// inputs cannot be worked with.
 pub fn run_reshape(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
-    let Some(threads) = job.threads else { return run_here(job, run) };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| Error::invalid(format!("{threads} threads cannot be started: {e}")))?;
-    pool.install(|| run_here(job, run))
+    on_threads(job.threads, || run_here(job, run))
 }
 
 fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {

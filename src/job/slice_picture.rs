@@ -1,5 +1,6 @@
 //! A slice of an image with lines and dots over it, as PNG.
 
+use super::png_file::png;
 use crate::math::Vec3;
 use crate::math::polyline::Polyline;
 use crate::volume::{SlicePlane, Volume, Window};
@@ -134,17 +135,6 @@ const GLYPHS: [[u8; 7]; 6] = [
 fn side(direction: &Vec3) -> usize {
     let axis = direction.iamax();
     2 * axis + usize::from(direction[axis] < 0.0)
-}
-
-fn png(width: usize, height: usize, pixels: &[u8]) -> Vec<u8> {
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header().expect("a header fits into memory");
-    writer.write_image_data(pixels).expect("the pixels fill the size given above");
-    writer.finish().expect("the end fits into memory");
-    file
 }
 
 #[cfg(test)]

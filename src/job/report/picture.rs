@@ -1,5 +1,6 @@
 //! Small pictures of a surface with markers: a z-buffer, written as PNG.
 
+use crate::job::png_file::png;
 use crate::math::Vec3;
 use crate::mesh::{TriMesh, bounding_box};
 
@@ -66,7 +67,7 @@ pub fn draw(
     for dot in dots {
         canvas.dot(dot);
     }
-    png(&canvas.shrink())
+    png(SIZE, SIZE, &canvas.shrink())
 }
 
 struct Canvas {
@@ -182,17 +183,6 @@ impl Canvas {
         }
         bytes
     }
-}
-
-fn png(pixels: &[u8]) -> Vec<u8> {
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, SIZE as u32, SIZE as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header().expect("a header fits into memory");
-    writer.write_image_data(pixels).expect("the pixels fill the size given above");
-    writer.finish().expect("the end fits into memory");
-    file
 }
 
 #[cfg(test)]
