@@ -1594,6 +1594,11 @@ MlgStatus mlg_skeleton_new(const MlgBone *bones,
                            MlgError *error);
 
 /**
+ * Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_skeleton_free(MlgSkeleton *skeleton);
+
+/**
  * Number of bones; 0 for a handle that is not valid.
  */
 size_t mlg_skeleton_bone_count(const MlgSkeleton *skeleton);
@@ -1651,11 +1656,6 @@ const double *mlg_skeleton_angles(const MlgSkeleton *skeleton, size_t *out_count
  * the count or the handle is not valid.
  */
 const char *mlg_skeleton_angle_name(const MlgSkeleton *skeleton, size_t angle);
-
-/**
- * Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.
- */
-void mlg_skeleton_free(MlgSkeleton *skeleton);
 
 /**
  * Reads a skeleton from a `.skeleton.json` file (its bones' surfaces lie where it says) or an

@@ -27,6 +27,7 @@ fn the_header_is_up_to_date() {
         "volume",
         "volume_labels",
         "skeleton",
+        "skeleton_parts",
         "skeleton_files",
         "registration",
         "registration_result",

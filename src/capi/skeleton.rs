@@ -13,7 +13,7 @@ use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use crate::io::skeleton::{BoneEntry, FORMAT, JointEntry, SkeletonDocument, VERSION};
 use crate::job::skeleton_build::{build_skeleton, joint_entry};
-use crate::math::{Mat3, Vec3};
+use crate::math::Mat3;
 use crate::register::animation::present_angles;
 use crate::register::{Joint, JointLimits, Skeleton};
 
@@ -98,10 +98,10 @@ pub(super) struct SkeletonObject {
     pub surfaces: Vec<Arc<Surface>>,
     /// What was left out when it was read, one sentence per line.
     pub notes: CString,
-    bone_names: Vec<CString>,
-    joint_names: Vec<CString>,
-    angle_names: Vec<CString>,
-    angles: Vec<f64>,
+    pub bone_names: Vec<CString>,
+    pub joint_names: Vec<CString>,
+    pub angle_names: Vec<CString>,
+    pub angles: Vec<f64>,
 }
 
 impl SkeletonObject {
@@ -250,144 +250,9 @@ fn frame_of(matrix: &[f64; 16]) -> Option<Isometry3<f64>> {
     })
 }
 
-fn matrix_of(frame: &Isometry3<f64>) -> [f64; 16] {
+pub(super) fn matrix_of(frame: &Isometry3<f64>) -> [f64; 16] {
     let matrix = frame.to_homogeneous();
     std::array::from_fn(|k| matrix[(k / 4, k % 4)])
-}
-
-/// Number of bones; 0 for a handle that is not valid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_bone_count(skeleton: *const MlgSkeleton) -> usize {
-    guard_or(0, || Ok(object(skeleton)?.skeleton.bones.len()))
-}
-
-/// Number of joints; 0 for a handle that is not valid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_joint_count(skeleton: *const MlgSkeleton) -> usize {
-    guard_or(0, || Ok(object(skeleton)?.skeleton.joints.len()))
-}
-
-/// The name of a bone: UTF-8, borrowed until the skeleton is freed. NULL if `bone` is not below the
-/// count or the handle is not valid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_bone_name(
-    skeleton: *const MlgSkeleton,
-    bone: usize,
-) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        Ok(object.bone_names.get(bone).map_or(ptr::null(), |n| n.as_ptr()))
-    })
-}
-
-/// The points of a bone: `3 * *out_count` coordinates, borrowed until the skeleton is freed. NULL if
-/// `bone` is not below the count or the handle is not valid. `out_count`: may be NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_bone_points(
-    skeleton: *const MlgSkeleton,
-    bone: usize,
-    out_count: *mut usize,
-) -> *const f64 {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        let Some(bone) = object.skeleton.bones.get(bone) else { return Ok(ptr::null()) };
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&object.skeleton.points[bone.vertices.clone()], out_count) })
-    })
-}
-
-/// The triangles of a bone: `3 * *out_count` indices of its own points, borrowed until the skeleton
-/// is freed. NULL if `bone` is not below the count or the handle is not valid. `out_count`: may be
-/// NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_bone_triangles(
-    skeleton: *const MlgSkeleton,
-    bone: usize,
-    out_count: *mut usize,
-) -> *const u32 {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        let Some(surface) = object.surfaces.get(bone) else { return Ok(ptr::null()) };
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&surface.mesh.triangles, out_count) })
-    })
-}
-
-/// The points of all bones, one bone after the other, as previews have them: `3 * *out_count`
-/// coordinates, borrowed until the skeleton is freed. NULL for a handle that is not valid.
-/// `out_count`: may be NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_points(
-    skeleton: *const MlgSkeleton,
-    out_count: *mut usize,
-) -> *const f64 {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&object.skeleton.points, out_count) })
-    })
-}
-
-/// Tells all about a joint, its frames included. `out_joint`: its `struct_size` must be set.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_joint(
-    skeleton: *const MlgSkeleton,
-    joint: usize,
-    out_joint: *mut MlgJoint,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        let object = object(skeleton)?;
-        let Some(found) = object.skeleton.joints.get(joint) else {
-            return Err(Failure::invalid(format!(
-                "joint {joint} does not exist: there are {} (numbered from 0)",
-                object.skeleton.joints.len()
-            )));
-        };
-        let answer = MlgJoint {
-            struct_size: size_of::<MlgJoint>(),
-            name: object.joint_names[joint].as_ptr(),
-            parent: found.parent as u32,
-            child: found.child as u32,
-            in_tree: u32::from(found.in_tree),
-            has_frames: 1,
-            world_from_parent_frame: matrix_of(&found.parent_frame),
-            world_from_child_frame: matrix_of(&found.child_frame),
-            negative_limits: array(&found.limits.negative),
-            positive_limits: array(&found.limits.positive),
-            shift_limit: found.limits.shift,
-        };
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_joint, answer, "out_joint") }
-    })
-}
-
-/// The named angles of the joints in the skeleton's pose: `*out_count` numbers, radians, borrowed
-/// until the skeleton is freed. NULL without such angles or for a handle that is not valid.
-/// `out_count`: may be NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_angles(
-    skeleton: *const MlgSkeleton,
-    out_count: *mut usize,
-) -> *const f64 {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&object.angles, out_count) })
-    })
-}
-
-/// The name of an angle: UTF-8, borrowed until the skeleton is freed. NULL if `angle` is not below
-/// the count or the handle is not valid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_skeleton_angle_name(
-    skeleton: *const MlgSkeleton,
-    angle: usize,
-) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        Ok(object.angle_names.get(angle).map_or(ptr::null(), |n| n.as_ptr()))
-    })
 }
 
 /// Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.
@@ -397,14 +262,6 @@ pub unsafe extern "C" fn mlg_skeleton_free(skeleton: *mut MlgSkeleton) {
         handles::free::<SkeletonObject, _>(skeleton);
         Ok(())
     });
-}
-
-fn object(skeleton: *const MlgSkeleton) -> Outcome<Arc<SkeletonObject>> {
-    handles::get::<SkeletonObject, _>(skeleton, "skeleton")
-}
-
-fn array(v: &Vec3) -> [f64; 3] {
-    (*v).into()
 }
 
 #[cfg(test)]

@@ -1,0 +1,153 @@
+//! What is in a skeleton: names, surfaces, joints, angles.
+
+use libc::c_char;
+use std::ptr;
+use std::sync::Arc;
+
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::skeleton::{MlgJoint, MlgSkeleton, SkeletonObject, matrix_of};
+use super::{buffers, handles};
+use crate::math::Vec3;
+
+/// Number of bones; 0 for a handle that is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_bone_count(skeleton: *const MlgSkeleton) -> usize {
+    guard_or(0, || Ok(object(skeleton)?.skeleton.bones.len()))
+}
+
+/// Number of joints; 0 for a handle that is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_joint_count(skeleton: *const MlgSkeleton) -> usize {
+    guard_or(0, || Ok(object(skeleton)?.skeleton.joints.len()))
+}
+
+/// The name of a bone: UTF-8, borrowed until the skeleton is freed. NULL if `bone` is not below the
+/// count or the handle is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_bone_name(
+    skeleton: *const MlgSkeleton,
+    bone: usize,
+) -> *const c_char {
+    guard_or(ptr::null(), || {
+        let object = object(skeleton)?;
+        Ok(object.bone_names.get(bone).map_or(ptr::null(), |n| n.as_ptr()))
+    })
+}
+
+/// The points of a bone: `3 * *out_count` coordinates, borrowed until the skeleton is freed. NULL if
+/// `bone` is not below the count or the handle is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_bone_points(
+    skeleton: *const MlgSkeleton,
+    bone: usize,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let object = object(skeleton)?;
+        let Some(bone) = object.skeleton.bones.get(bone) else { return Ok(ptr::null()) };
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&object.skeleton.points[bone.vertices.clone()], out_count) })
+    })
+}
+
+/// The triangles of a bone: `3 * *out_count` indices of its own points, borrowed until the skeleton
+/// is freed. NULL if `bone` is not below the count or the handle is not valid. `out_count`: may be
+/// NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_bone_triangles(
+    skeleton: *const MlgSkeleton,
+    bone: usize,
+    out_count: *mut usize,
+) -> *const u32 {
+    guard_or(ptr::null(), || {
+        let object = object(skeleton)?;
+        let Some(surface) = object.surfaces.get(bone) else { return Ok(ptr::null()) };
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&surface.mesh.triangles, out_count) })
+    })
+}
+
+/// The points of all bones, one bone after the other, as previews have them: `3 * *out_count`
+/// coordinates, borrowed until the skeleton is freed. NULL for a handle that is not valid.
+/// `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_points(
+    skeleton: *const MlgSkeleton,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let object = object(skeleton)?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&object.skeleton.points, out_count) })
+    })
+}
+
+/// Tells all about a joint, its frames included. `out_joint`: its `struct_size` must be set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_joint(
+    skeleton: *const MlgSkeleton,
+    joint: usize,
+    out_joint: *mut MlgJoint,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let object = object(skeleton)?;
+        let Some(found) = object.skeleton.joints.get(joint) else {
+            return Err(Failure::invalid(format!(
+                "joint {joint} does not exist: there are {} (numbered from 0)",
+                object.skeleton.joints.len()
+            )));
+        };
+        let answer = MlgJoint {
+            struct_size: size_of::<MlgJoint>(),
+            name: object.joint_names[joint].as_ptr(),
+            parent: found.parent as u32,
+            child: found.child as u32,
+            in_tree: u32::from(found.in_tree),
+            has_frames: 1,
+            world_from_parent_frame: matrix_of(&found.parent_frame),
+            world_from_child_frame: matrix_of(&found.child_frame),
+            negative_limits: array(&found.limits.negative),
+            positive_limits: array(&found.limits.positive),
+            shift_limit: found.limits.shift,
+        };
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::fill(out_joint, answer, "out_joint") }
+    })
+}
+
+/// The named angles of the joints in the skeleton's pose: `*out_count` numbers, radians, borrowed
+/// until the skeleton is freed. NULL without such angles or for a handle that is not valid.
+/// `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_angles(
+    skeleton: *const MlgSkeleton,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let object = object(skeleton)?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&object.angles, out_count) })
+    })
+}
+
+/// The name of an angle: UTF-8, borrowed until the skeleton is freed. NULL if `angle` is not below
+/// the count or the handle is not valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_angle_name(
+    skeleton: *const MlgSkeleton,
+    angle: usize,
+) -> *const c_char {
+    guard_or(ptr::null(), || {
+        let object = object(skeleton)?;
+        Ok(object.angle_names.get(angle).map_or(ptr::null(), |n| n.as_ptr()))
+    })
+}
+
+fn object(skeleton: *const MlgSkeleton) -> Outcome<Arc<SkeletonObject>> {
+    handles::get::<SkeletonObject, _>(skeleton, "skeleton")
+}
+
+fn array(v: &Vec3) -> [f64; 3] {
+    (*v).into()
+}
