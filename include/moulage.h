@@ -146,6 +146,24 @@ typedef enum {
 } MlgStatus;
 
 /**
+ * Why a separation ended.
+ */
+typedef enum {
+  /**
+   * No contact is left.
+   */
+  MLG_ENDING_PARTED = 0,
+  /**
+   * Overlaps no longer shrank; the shapes with the least are the result.
+   */
+  MLG_ENDING_STALLED = 1,
+  /**
+   * It was stopped on request; the shapes with the least overlap so far are the result.
+   */
+  MLG_ENDING_CANCELLED = 2,
+} MlgEnding;
+
+/**
  * Why a reshaping ended. Reaching a limit is no error: the result is there.
  */
 typedef enum {
@@ -211,6 +229,16 @@ typedef struct MlgReshapingResult MlgReshapingResult;
  * A computation on a thread of its own. May be polled and cancelled from any thread.
  */
 typedef struct MlgRun MlgRun;
+
+/**
+ * Bodies that overlap each other or obstacles. May be used by one thread at a time.
+ */
+typedef struct MlgSeparation MlgSeparation;
+
+/**
+ * Bodies that were pushed apart. Immutable; may be read from many threads.
+ */
+typedef struct MlgSeparationResult MlgSeparationResult;
 
 /**
  * Bones and the joints between them. Immutable; may be read from many threads.
@@ -457,6 +485,128 @@ typedef struct {
    */
   double seconds;
 } MlgReshapingSummary;
+
+/**
+ * How to separate. Set with `mlg_separation_options_init`. Lengths are in the bodies' unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Distance to leave between surfaces; 0 (default): the median diagonal of the bodies / 2000.
+   */
+  double gap;
+  /**
+   * Vertices up to this many edges away from an overlap may move. Default 5.
+   */
+  uint32_t rings;
+  /**
+   * Threads to use; 0 (default): all. The result does not depend on it.
+   */
+  uint32_t thread_count;
+} MlgSeparationOptions;
+
+/**
+ * The course of a separation.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Why it ended: an `MlgEnding`.
+   */
+  uint32_t ending;
+  /**
+   * 1: no triangle of one surface crosses or lies inside another; decided exactly.
+   */
+  uint32_t separated;
+  /**
+   * Rounds of finding contacts and solving.
+   */
+  uint32_t rounds;
+  /**
+   * Pairs of surfaces that overlap or did; `mlg_separation_result_overlap` tells about each.
+   */
+  uint32_t overlap_count;
+  /**
+   * Seconds it took.
+   */
+  double seconds;
+} MlgSeparationSummary;
+
+/**
+ * Two surfaces that overlap or did, before (index 0) and after (index 1). Lengths are in the bodies'
+ * unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Number of the first surface: bodies from 0, then obstacles.
+   */
+  uint32_t first;
+  /**
+   * Number of the second.
+   */
+  uint32_t second;
+  /**
+   * Largest distance of a vertex inside to the other's surface.
+   */
+  double depth[2];
+  /**
+   * Vertices of either that lie inside the other.
+   */
+  uint32_t vertices_inside[2];
+  /**
+   * Pairs of triangles that cross.
+   */
+  uint32_t crossings[2];
+} MlgOverlap;
+
+/**
+ * What a separation did to one body. Lengths are in the bodies' unit.
+ */
+typedef struct {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Vertices of its surface that moved.
+   */
+  uint32_t moved_vertices;
+  /**
+   * Tets of no or negative volume.
+   */
+  uint32_t inverted_tets;
+  /**
+   * The farthest move.
+   */
+  double largest_move;
+  /**
+   * Mean distance of its markers to its surface before (index 0) and after (1), of those outside
+   * all obstacles; NaN without any.
+   */
+  double mean_marker_distance[2];
+  /**
+   * Largest such distance.
+   */
+  double max_marker_distance[2];
+  /**
+   * Markers inside an obstacle, which cannot be met.
+   */
+  uint32_t markers_inside_obstacles;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+} MlgSeparatedBody;
 
 /**
  * What an image is.
@@ -1430,6 +1580,135 @@ MlgStatus mlg_reshaping_result_quality(const MlgReshapingResult *result,
  * Frees a result. NULL and handles freed already are allowed.
  */
 void mlg_reshaping_result_free(MlgReshapingResult *result);
+
+/**
+ * Writes the defaults. `struct_size`: `sizeof *out_options`.
+ */
+MlgStatus mlg_separation_options_init(MlgSeparationOptions *out_options, size_t struct_size);
+
+/**
+ * Makes a separation without bodies yet. Free with `mlg_separation_free`.
+ */
+MlgStatus mlg_separation_new(MlgSeparation **out_problem, MlgError *error);
+
+/**
+ * Adds a soft body in its present shape; bodies are numbered from 0 in the order of being added.
+ *
+ * `name`: UTF-8, unique among bodies and obstacles. `surface`: lies in the tets, also in its present
+ * shape; NULL: the boundary of the tets, whose vertices then come in their order in the tet mesh.
+ */
+MlgStatus mlg_separation_add_body(MlgSeparation *problem,
+                                  const char *name,
+                                  const MlgTetMesh *tets,
+                                  const MlgTriMesh *surface,
+                                  MlgError *error);
+
+/**
+ * Adds the result of a reshaping as a soft body, with its surface and its markers. `name`: UTF-8,
+ * unique. The result may be freed at once.
+ */
+MlgStatus mlg_separation_add_result(MlgSeparation *problem,
+                                    const char *name,
+                                    const MlgReshapingResult *result,
+                                    MlgError *error);
+
+/**
+ * Adds something that does not move, such as a bone; obstacles are numbered after all bodies.
+ * `name`: UTF-8, unique. `surface`: may be freed afterwards.
+ */
+MlgStatus mlg_separation_add_obstacle(MlgSeparation *problem,
+                                      const char *name,
+                                      const MlgTriMesh *surface,
+                                      MlgError *error);
+
+/**
+ * Sets markers of the person's surface that a body meets: its surface is held there as far as
+ * contact allows; replaces earlier ones. `body`: a number from 0. `points`: `3 * count` coordinates,
+ * finite; may be NULL if `count` is 0.
+ */
+MlgStatus mlg_separation_set_markers(MlgSeparation *problem,
+                                     size_t body,
+                                     const double *points,
+                                     size_t count,
+                                     MlgError *error);
+
+/**
+ * Starts a separation on a thread of its own and returns at once. The problem is copied: it may be
+ * changed or freed while the run goes on. Its preview has the surfaces of all bodies. `options`:
+ * NULL for the defaults. Free the run with `mlg_run_free`.
+ */
+MlgStatus mlg_separation_start(const MlgSeparation *problem,
+                               const MlgSeparationOptions *options,
+                               MlgRun **out_run,
+                               MlgError *error);
+
+/**
+ * Waits for the end of a separation and hands its result over, once. A cancelled run gives the shapes
+ * with the least overlap so far, marked by `ending` in its summary, or `MLG_STATUS_CANCELLED` if it
+ * had none yet. Free the result with `mlg_separation_result_free`, and the run with `mlg_run_free`.
+ */
+MlgStatus mlg_run_wait_separation(MlgRun *run,
+                                  MlgSeparationResult **out_result,
+                                  MlgError *error);
+
+/**
+ * Separates and returns when it is done: `mlg_separation_start` and `mlg_run_wait_separation` in one.
+ * Free the result with `mlg_separation_result_free`.
+ */
+MlgStatus mlg_separation_run(const MlgSeparation *problem,
+                             const MlgSeparationOptions *options,
+                             MlgSeparationResult **out_result,
+                             MlgError *error);
+
+/**
+ * Frees a separation. NULL and handles freed already are allowed. Runs started from it go on.
+ */
+void mlg_separation_free(MlgSeparation *problem);
+
+/**
+ * The points of a body's surface, in its order: `3 * *out_count` coordinates, borrowed until the
+ * result is freed. NULL if `body` is not below the count or the handle is not valid. `out_count`: may
+ * be NULL.
+ */
+const double *mlg_separation_result_points(const MlgSeparationResult *result,
+                                           size_t body,
+                                           size_t *out_count);
+
+/**
+ * The points of a body's tets, in their order, as `mlg_separation_result_points`.
+ */
+const double *mlg_separation_result_tet_points(const MlgSeparationResult *result,
+                                               size_t body,
+                                               size_t *out_count);
+
+/**
+ * Tells how it went. `out_summary`: its `struct_size` must be set.
+ */
+MlgStatus mlg_separation_result_summary(const MlgSeparationResult *result,
+                                        MlgSeparationSummary *out_summary,
+                                        MlgError *error);
+
+/**
+ * Tells about a pair of surfaces that overlap or did, a number from 0 below `overlap_count` in the
+ * summary. `out_overlap`: its `struct_size` must be set.
+ */
+MlgStatus mlg_separation_result_overlap(const MlgSeparationResult *result,
+                                        size_t overlap,
+                                        MlgOverlap *out_overlap,
+                                        MlgError *error);
+
+/**
+ * Tells what was done to a body, a number from 0. `out_body`: its `struct_size` must be set.
+ */
+MlgStatus mlg_separation_result_body(const MlgSeparationResult *result,
+                                     size_t body,
+                                     MlgSeparatedBody *out_body,
+                                     MlgError *error);
+
+/**
+ * Frees a result. NULL and handles freed already are allowed.
+ */
+void mlg_separation_result_free(MlgSeparationResult *result);
 
 /**
  * Reads an image: NIfTI (`.nii`, `.nii.gz`), NRRD (`.nrrd`, `.nhdr`), MetaImage (`.mha`, `.mhd`), a

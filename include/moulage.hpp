@@ -124,6 +124,17 @@ public:
     }
 };
 
+/** Tets: x, y, z of each point, four indices of each tet. */
+class TetMesh : public Owner<MlgTetMesh, mlg_tet_mesh_free> {
+public:
+    TetMesh(View<double> points, View<std::uint32_t> tets)
+        : Owner(make(mlg_tet_mesh_new, points.data, points.size / 3, tets.data, tets.size / 4)) {}
+    explicit TetMesh(const std::string &path) : Owner(make(mlg_tet_mesh_load, path.c_str())) {}
+    View<double> points() const { return view(mlg_tet_mesh_points, 3); }
+    View<std::uint32_t> tets() const { return view(mlg_tet_mesh_tets, 4); }
+    void save(const std::string &path) const { call(mlg_tet_mesh_save, as_const(), path.c_str()); }
+};
+
 class Markers : public Owner<MlgMarkers, mlg_markers_free> {
 public:
     explicit Markers(const std::vector<double> &points, const std::vector<double> &weights = {})
@@ -272,6 +283,41 @@ public:
     std::string warnings() const { return text(mlg_registration_result_warnings, as_const()); }
 };
 
+/** Bodies that were pushed apart. */
+class SeparationResult : public Owner<MlgSeparationResult, mlg_separation_result_free> {
+public:
+    using Owner::Owner;
+    /** The surface of a body. */
+    View<double> points(std::size_t body) const {
+        std::size_t count = 0;
+        const double *data = mlg_separation_result_points(get(), body, &count);
+        return {data, 3 * count};
+    }
+    View<double> tet_points(std::size_t body) const {
+        std::size_t count = 0;
+        const double *data = mlg_separation_result_tet_points(get(), body, &count);
+        return {data, 3 * count};
+    }
+    MlgSeparationSummary summary() const {
+        MlgSeparationSummary summary = {};
+        summary.struct_size = sizeof summary;
+        call(mlg_separation_result_summary, as_const(), &summary);
+        return summary;
+    }
+    MlgOverlap overlap(std::size_t number) const {
+        MlgOverlap overlap = {};
+        overlap.struct_size = sizeof overlap;
+        call(mlg_separation_result_overlap, as_const(), number, &overlap);
+        return overlap;
+    }
+    MlgSeparatedBody body(std::size_t number) const {
+        MlgSeparatedBody body = {};
+        body.struct_size = sizeof body;
+        call(mlg_separation_result_body, as_const(), number, &body);
+        return body;
+    }
+};
+
 /** A computation under way; leaving its scope cancels it and waits for its end. */
 class Run : public Owner<MlgRun, mlg_run_free> {
 public:
@@ -299,6 +345,9 @@ public:
     }
     RegistrationResult wait_registration() const {
         return RegistrationResult(make<MlgRegistrationResult>(mlg_run_wait_registration, get()));
+    }
+    SeparationResult wait_separation() const {
+        return SeparationResult(make<MlgSeparationResult>(mlg_run_wait_separation, get()));
     }
     Tetrahedralization wait_tets() const {
         return Tetrahedralization(
@@ -408,6 +457,39 @@ public:
     }
     RegistrationResult run(const MlgRegistrationOptions &options = registration_options()) const {
         return start(options).wait_registration();
+    }
+};
+
+inline MlgSeparationOptions separation_options() {
+    MlgSeparationOptions options;
+    mlg_separation_options_init(&options, sizeof options);
+    return options;
+}
+
+/** Bodies that overlap each other or obstacles; bodies are numbered from 0 as they are added. */
+class Separation : public Owner<MlgSeparation, mlg_separation_free> {
+public:
+    Separation() : Owner(make(mlg_separation_new)) {}
+    void add_body(const std::string &name, const ReshapingResult &result) {
+        call(mlg_separation_add_result, get(), name.c_str(), result.as_const());
+    }
+    /** Tets in their present shape, and the surface that lies in them. */
+    void add_body(const std::string &name, const TetMesh &tets, const TriMesh &surface) {
+        call(mlg_separation_add_body, get(), name.c_str(), tets.as_const(), surface.as_const());
+    }
+    void add_obstacle(const std::string &name, const TriMesh &surface) {
+        call(mlg_separation_add_obstacle, get(), name.c_str(), surface.as_const());
+    }
+    void set_markers(std::size_t body, View<double> points) {
+        call(mlg_separation_set_markers, get(), body, points.data, points.size / 3);
+    }
+    Run start(const MlgSeparationOptions &options = separation_options()) const {
+        MlgRun *run = nullptr;
+        call(mlg_separation_start, as_const(), &options, &run);
+        return Run(run);
+    }
+    SeparationResult run(const MlgSeparationOptions &options = separation_options()) const {
+        return start(options).wait_separation();
     }
 };
 

@@ -24,6 +24,8 @@ fn the_header_is_up_to_date() {
         "placing",
         "reshaping_run",
         "result",
+        "separation",
+        "separation_result",
         "volume",
         "volume_labels",
         "skeleton",

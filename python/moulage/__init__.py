@@ -11,6 +11,7 @@ from .interface import CANCELLED
 from .native import Error, LibraryError, library
 from .registration import Registration, RegistrationResult
 from .reshaping import Reshaping, ReshapingResult, default_options
+from .separation import Separation, SeparationResult
 from .shapes import Markers, Pairs, TetMesh, TriMesh
 from .skeletons import Joint, Skeleton
 from .tets import Progress, Run, Tetrahedralization
@@ -18,8 +19,8 @@ from .volumes import Plane, Volume, section
 
 __all__ = [
     "CANCELLED", "Error", "Joint", "LibraryError", "Markers", "Pairs", "Plane", "Progress", "Registration",
-    "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Skeleton", "TetMesh", "Tetrahedralization", "TriMesh",
-    "Volume", "check_library", "default_options", "section", "version",
+    "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Separation", "SeparationResult", "Skeleton", "TetMesh",
+    "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "section", "version",
 ]
 
 

@@ -7,6 +7,7 @@ ABI_VERSION = 1
 
 TETS = {"auto": 0, "tetgen": 1, "lattice": 2, "given": 3}
 STOPS = ("settled", "tolerance_met", "no_step", "iteration_limit", "cancelled")
+ENDINGS = ("parted", "stalled", "cancelled")
 ALIGN = {"rigid": 0, "similarity": 1}
 NO_VERTEX = 0xFFFFFFFF
 RUN_ENDED = 1
@@ -118,6 +119,50 @@ class MlgReshapingSummary(Versioned):
         ("mean_marker_distance", c_double),
         ("max_marker_distance", c_double),
         ("seconds", c_double),
+    ]
+
+
+class MlgSeparationOptions(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("gap", c_double),
+        ("rings", c_uint32),
+        ("thread_count", c_uint32),
+    ]
+
+
+class MlgSeparationSummary(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("ending", c_uint32),
+        ("separated", c_uint32),
+        ("rounds", c_uint32),
+        ("overlap_count", c_uint32),
+        ("seconds", c_double),
+    ]
+
+
+class MlgOverlap(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("first", c_uint32),
+        ("second", c_uint32),
+        ("depth", c_double * 2),
+        ("vertices_inside", c_uint32 * 2),
+        ("crossings", c_uint32 * 2),
+    ]
+
+
+class MlgSeparatedBody(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("moved_vertices", c_uint32),
+        ("inverted_tets", c_uint32),
+        ("largest_move", c_double),
+        ("mean_marker_distance", c_double * 2),
+        ("max_marker_distance", c_double * 2),
+        ("markers_inside_obstacles", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -247,6 +292,16 @@ CALLS = {
     "run_preview_points": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
     "run_wait_tetrahedralization": (_HANDLE, _OUT, _ERROR),
     "run_wait_reshaping": (_HANDLE, _OUT, _ERROR),
+    "separation_new": (_OUT, _ERROR),
+    "separation_add_body": (_HANDLE, _PATH, _HANDLE, _HANDLE, _ERROR),
+    "separation_add_result": (_HANDLE, _PATH, _HANDLE, _ERROR),
+    "separation_add_obstacle": (_HANDLE, _PATH, _HANDLE, _ERROR),
+    "separation_set_markers": (_HANDLE, _COUNT, _ARRAY, _COUNT, _ERROR),
+    "separation_start": (_HANDLE, POINTER(MlgSeparationOptions), _OUT, _ERROR),
+    "run_wait_separation": (_HANDLE, _OUT, _ERROR),
+    "separation_result_summary": (_HANDLE, POINTER(MlgSeparationSummary), _ERROR),
+    "separation_result_overlap": (_HANDLE, _COUNT, POINTER(MlgOverlap), _ERROR),
+    "separation_result_body": (_HANDLE, _COUNT, POINTER(MlgSeparatedBody), _ERROR),
     "volume_load": (_PATH, _OUT, _ERROR),
     "volume_info": (_HANDLE, POINTER(MlgVolumeInfo), _ERROR),
     "volume_notes": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
@@ -284,6 +339,9 @@ GETTERS = {
         c_uint32, POINTER(MlgTetrahedralizationOptions), c_size_t,
     ),
     "reshaping_options_init": (c_uint32, POINTER(MlgReshapingOptions), c_size_t),
+    "separation_options_init": (c_uint32, POINTER(MlgSeparationOptions), c_size_t),
+    "separation_result_points": (POINTER(c_double), _HANDLE, c_size_t, _OUT_COUNT),
+    "separation_result_tet_points": (POINTER(c_double), _HANDLE, c_size_t, _OUT_COUNT),
     "clicks_init": (c_uint32, POINTER(MlgClicks), c_size_t),
     "joint_init": (c_uint32, POINTER(MlgJoint), c_size_t),
     "registration_options_init": (c_uint32, POINTER(MlgRegistrationOptions), c_size_t),
@@ -330,6 +388,6 @@ GETTERS = {
         f"{kind}_free": (None, _HANDLE)
         for kind in ("tri_mesh", "tet_mesh", "markers", "pairs", "tetrahedralization", "reshaping",
                      "run", "reshaping_result", "volume", "polylines", "skeleton", "registration",
-                     "registration_result")
+                     "registration_result", "separation", "separation_result")
     },
 }

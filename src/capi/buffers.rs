@@ -139,6 +139,16 @@ pub(super) unsafe fn lend<T, C>(list: &[T], out_count: *mut usize) -> *const C {
     if list.is_empty() { std::ptr::null() } else { list.as_ptr().cast() }
 }
 
+/// The element with a number from the caller.
+pub(super) fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Outcome<&'a T> {
+    list.get(index).ok_or_else(|| {
+        Failure::invalid(format!(
+            "{what} {index} does not exist: there are {} (numbered from 0)",
+            list.len()
+        ))
+    })
+}
+
 /// A switch: 0 or 1.
 pub(super) fn switch(value: u32, name: &str) -> Outcome<bool> {
     match value {

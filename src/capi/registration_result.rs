@@ -3,7 +3,7 @@
 use libc::c_char;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
@@ -165,7 +165,7 @@ pub unsafe extern "C" fn mlg_registration_result_bone_fit(
 ) -> MlgStatus {
     guard(error, || {
         let result = object(result)?;
-        let found = entry(&result.registered.bones, bone, "bone")?;
+        let found = buffers::entry(&result.registered.bones, bone, "bone")?;
         let fit = MlgBoneFit {
             struct_size: size_of::<MlgBoneFit>(),
             mean_residual: found.mean_residual,
@@ -190,7 +190,7 @@ pub unsafe extern "C" fn mlg_registration_result_joint_pose(
 ) -> MlgStatus {
     guard(error, || {
         let result = object(result)?;
-        let found = entry(&result.registered.joints, joint, "joint")?;
+        let found = buffers::entry(&result.registered.joints, joint, "joint")?;
         let pose = MlgJointPose {
             struct_size: size_of::<MlgJointPose>(),
             centre: found.centre.into(),
@@ -258,13 +258,4 @@ pub unsafe extern "C" fn mlg_registration_result_free(result: *mut MlgRegistrati
 
 fn object(result: *const MlgRegistrationResult) -> Outcome<Arc<RegistrationResult>> {
     handles::get::<RegistrationResult, _>(result, "result")
-}
-
-fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Outcome<&'a T> {
-    list.get(index).ok_or_else(|| {
-        Failure::invalid(format!(
-            "{what} {index} does not exist: there are {} (numbered from 0)",
-            list.len()
-        ))
-    })
 }

@@ -10,8 +10,9 @@ use super::tetrahedralization::MlgTetQuality;
 use crate::job::{marker_distances, vertex_stretches, write_deformed_tets};
 use crate::locate::Embedding;
 use crate::math::Vec3;
-use crate::mesh::TetQuality;
+use crate::mesh::{TetMesh, TetQuality};
 use crate::reshape::{Problem, Reshaped, Stop};
+use crate::separate::Body;
 
 /// A reshaped template. Immutable; may be read from many threads.
 pub struct MlgReshapingResult;
@@ -77,6 +78,18 @@ impl ReshapingResult {
 
     pub fn reshaped(&self) -> &Reshaped {
         &self.reshaped
+    }
+
+    /// The result as a body that contact can push.
+    pub fn body(&self, name: String) -> Body {
+        let points = self.reshaped.tet_points.clone();
+        Body {
+            name,
+            tets: TetMesh { points, tets: self.problem.tets.tets.clone() },
+            embedding: self.problem.embedding.clone(),
+            triangles: self.problem.surface.triangles.clone(),
+            markers: self.problem.markers.iter().map(|m| m.position).collect(),
+        }
     }
 
     fn summary(&self) -> MlgReshapingSummary {

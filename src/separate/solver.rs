@@ -183,6 +183,9 @@ impl<'a> Solver<'a> {
             let points = self.split(&self.x);
             let skins = Skin::all(self.bodies, &points, self.obstacles);
             let margin = 0.25 * self.mean_edge + 2.0 * self.gap;
+            let shapes = skins.iter().filter(|s| s.body.is_some()).flat_map(|s| &s.points);
+            self.run.publish_preview(&shapes.copied().collect::<Vec<_>>());
+            self.run.update(|p| p.iteration = round);
             let detector = Detector {
                 bodies: self.bodies,
                 first_vertex: &self.first_vertex,

@@ -46,6 +46,22 @@ int main() {
     CHECK(std::fabs(still[0] - 1) < 1e-9 && std::fabs(still[3]) < 1e-9);
     CHECK(moulage::start_tets(mesh, options).wait_tets().quality().inverted_count == 0);
 
+    // The result beside a copy of the template that overlaps it.
+    moulage::Separation pile;
+    pile.add_body("reshaped", result);
+    pile.add_body("other", moulage::TetMesh(tets.points(), tets.tets()), mesh);
+    pile.set_markers(0, {});
+    std::vector<double> far = points;
+    for (std::size_t i = 0; i < far.size(); i += 3) far[i] += 2.3;
+    moulage::Separation beside;
+    beside.add_body("reshaped", result);
+    beside.add_obstacle("bone", moulage::TriMesh(far, triangles));
+    const moulage::SeparationResult apart = beside.run();
+    CHECK(apart.summary().separated == 1 && apart.points(0).size == points.size());
+    CHECK(apart.overlap(0).depth[0] > 0.1 && apart.overlap(0).depth[1] == 0);
+    CHECK(apart.body(0).inverted_tets == 0 && apart.tet_points(0).size > 0);
+    pile.start().cancel();
+
     // A skeleton of one bone on the same bone, larger.
     std::vector<double> larger = points;
     for (double &c : larger) c *= 1.1;

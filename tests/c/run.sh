@@ -19,7 +19,7 @@ ln -s "$libraries/libmoulage.so" "$out/$(readelf -d "$libraries/libmoulage.so" |
 warnings=(-Wall -Wextra -Wconversion -Werror -pedantic)
 sanitize=(-g -fsanitize=address,undefined -fno-sanitize-recover=all)
 link=(-Iinclude -Itests/c -L"$libraries" -Wl,-rpath,"$out" -lmoulage -lm)
-for name in mistakes inputs images register runs; do
+for name in mistakes inputs images register separate runs; do
     gcc -std=c99 "${warnings[@]}" "${sanitize[@]}" tests/c/$name.c -o "$out/$name" "${link[@]}"
     "$out/$name" "$out"
     gcc -std=c99 "${warnings[@]}" -g tests/c/$name.c -o "$out/$name.plain" "${link[@]}"
@@ -40,6 +40,8 @@ mkdir -p "$out/c/hand" "$out/cli"
 cmp "$out/c/liver.obj" "$out/cli/liver.obj"
 cmp "$out/c/liver.vtu" "$out/cli/liver.vtu"
 diff -r "$out/c/hand/bones" "$out/cli/hand/bones"
+"$libraries/moulage" separate "$out/left.vtu" "$out/right.vtu" -o "$out/cli/apart" >/dev/null
+"$out/separate" "$out" "$out/cli/apart"
 
 # Inlined frames are not asked for: reading them takes minutes.
 check=(valgrind --quiet --read-inline-info=no --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite)

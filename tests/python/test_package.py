@@ -68,6 +68,8 @@ class Header(unittest.TestCase):
         self.assertEqual(interface.RUN_ENDED, found["MLG_RUN_ENDED"])
         stops = dict(re.findall(r"MLG_STOP_(\w+) = (\d+)", header()))
         self.assertEqual([s.upper() for s in interface.STOPS], sorted(stops, key=lambda s: int(stops[s])))
+        endings = dict(re.findall(r"MLG_ENDING_(\w+) = (\d+)", header()))
+        self.assertEqual([e.upper() for e in interface.ENDINGS], sorted(endings, key=lambda e: int(endings[e])))
 
 
 def cube():
@@ -148,6 +150,49 @@ class Arrays(unittest.TestCase):
             back = moulage.Markers.load(path)
         self.assertEqual(back.labels, ["left", "Öhr"])
         numpy.testing.assert_allclose(back.points, self.points[:2])
+
+
+class Separations(unittest.TestCase):
+    def setUp(self):
+        """Two cubes whose sides overlap by a fifth, and a bone under the first."""
+        points, triangles = cube()
+        made = moulage.Tetrahedralization(moulage.TriMesh(points, triangles), "lattice", 120)
+        self.tets = made.points, made.tets
+        self.problem = moulage.Separation()
+        for name, shift in (("left", 0.0), ("right", 0.8)):
+            away = (shift, shift / 8, shift / 16)
+            self.problem.add_body(name, moulage.TetMesh(made.points + away, made.tets))
+        self.bone = moulage.TriMesh(points - (0.5, 0.05, 0.9), triangles)
+
+    def test_cubes_leave_each_other_and_a_bone(self):
+        self.problem.add_obstacle("Schlüsselbein", self.bone)
+        seen = []
+        result = self.problem.run(progress=seen.append)
+        self.assertTrue(seen[-1].ended and result.summary["separated"])
+        self.assertEqual(result.summary["ending"], "parted")
+        pairs = {(o["first"], o["second"]) for o in result.overlaps}
+        self.assertLessEqual({(0, 1), (0, 2)}, pairs)
+        for overlap in result.overlaps:
+            self.assertEqual((overlap["depth"][1], overlap["crossings"][1]), (0.0, 0))
+        self.assertGreater(max(o["depth"][0] for o in result.overlaps), 0.05)
+        body = result.body(0)
+        self.assertEqual(body["inverted_tets"], 0)
+        self.assertGreater(body["largest_move"], 0.05)
+        self.assertEqual(result.tet_points(0).shape, self.tets[0].shape)
+        low, high = self.bone.points.min(axis=0), self.bone.points.max(axis=0)
+        in_bone = ((result.points(0) > low) & (result.points(0) < high)).all(axis=1)
+        self.assertFalse(in_bone.any())
+
+    def test_a_separation_can_be_stopped(self):
+        run = self.problem.start(rings=3)
+        while run.poll().iteration < 1 and not run.poll().ended:
+            time.sleep(0.001)
+        run.cancel()
+        self.assertIn(run.wait().summary["ending"], ("cancelled", "parted"))
+        with self.assertRaisesRegex(moulage.Error, "'left' already"):
+            self.problem.add_obstacle("left", self.bone)
+        with self.assertRaisesRegex(moulage.Error, "at least one ring"):
+            self.problem.start(rings=0)
 
 
 class Volumes(unittest.TestCase):
