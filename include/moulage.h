@@ -241,6 +241,11 @@ typedef struct MlgSeparation MlgSeparation;
 typedef struct MlgSeparationResult MlgSeparationResult;
 
 /**
+ * Mean shape and modes of all bones of a template. Immutable; may be read from many threads.
+ */
+typedef struct MlgShapeModel MlgShapeModel;
+
+/**
  * Bones and the joints between them. Immutable; may be read from many threads.
  */
 typedef struct MlgSkeleton MlgSkeleton;
@@ -1975,6 +1980,73 @@ MlgStatus mlg_skeleton_save_motion(const MlgSkeleton *skeleton,
                                    MlgError *error);
 
 /**
+ * Learns the shapes of all bones together, pose removed. Takes seconds for large skeletons.
+ *
+ * `samples`: `sample_count` skeletons, two or more, such as results of registrations of the
+ * template: with its bones and vertices, in any pose. Free with `mlg_shape_model_free`.
+ */
+MlgStatus mlg_shape_model_fit(const MlgSkeleton *template_skeleton,
+                              const MlgSkeleton *const *samples,
+                              size_t sample_count,
+                              MlgShapeModel **out_model,
+                              MlgError *error);
+
+/**
+ * Tells how well models fit new persons: for each sample, the root mean square distance from what a
+ * model of the others makes of it, in the template's unit. `samples`: as for `mlg_shape_model_fit`,
+ * three or more. `out_distances`: room for `sample_count` numbers.
+ */
+MlgStatus mlg_shape_model_left_out(const MlgSkeleton *template_skeleton,
+                                   const MlgSkeleton *const *samples,
+                                   size_t sample_count,
+                                   double *out_distances,
+                                   MlgError *error);
+
+/**
+ * Reads a model of a template's bones from a `.h5.json` file, as `mlg_shape_model_save` and scalismo
+ * write it. `path`: UTF-8. Free with `mlg_shape_model_free`.
+ */
+MlgStatus mlg_shape_model_load(const MlgSkeleton *template_skeleton,
+                               const char *path,
+                               MlgShapeModel **out_model,
+                               MlgError *error);
+
+/**
+ * Writes a model as `.h5.json`; numbers have single precision there. `path`: UTF-8.
+ */
+MlgStatus mlg_shape_model_save(const MlgShapeModel *model, const char *path, MlgError *error);
+
+/**
+ * How far the surface moves at one standard deviation of each mode, root mean square, in the
+ * template's unit: `*out_count` numbers, falling, borrowed until the model is freed. NULL without
+ * modes or for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_shape_model_deviations(const MlgShapeModel *model, size_t *out_count);
+
+/**
+ * The share of the variance in the first modes: `*out_count` numbers, rising to 1, as
+ * `mlg_shape_model_deviations`.
+ */
+const double *mlg_shape_model_explained(const MlgShapeModel *model, size_t *out_count);
+
+/**
+ * Makes a shape: a skeleton in the template's pose, its joints closed.
+ *
+ * `coefficients`: `count` numbers in standard deviations, of the first modes; the others are 0. May
+ * be NULL if `count` is 0: the mean. Free with `mlg_skeleton_free`.
+ */
+MlgStatus mlg_shape_model_shape(const MlgShapeModel *model,
+                                const double *coefficients,
+                                size_t count,
+                                MlgSkeleton **out_skeleton,
+                                MlgError *error);
+
+/**
+ * Frees a model. NULL and handles freed already are allowed. Objects made from it stay valid.
+ */
+void mlg_shape_model_free(MlgShapeModel *model);
+
+/**
  * Writes the defaults. `struct_size`: `sizeof *out_options`.
  */
 MlgStatus mlg_registration_options_init(MlgRegistrationOptions *out_options, size_t struct_size);
@@ -2012,6 +2084,14 @@ MlgStatus mlg_registration_set_image(MlgRegistration *problem,
                                      const MlgVolume *person,
                                      const MlgVolume *reference,
                                      MlgError *error);
+
+/**
+ * Holds the bones to shapes that statistics know, in place of scaling each by itself. `model`: of this
+ * template, or NULL: the one that the template's file names, if any.
+ */
+MlgStatus mlg_registration_set_shape_model(MlgRegistration *problem,
+                                           const MlgShapeModel *model,
+                                           MlgError *error);
 
 /**
  * Starts a registration on a thread of its own and returns at once. The problem is copied: it may be
@@ -2078,6 +2158,13 @@ MlgStatus mlg_registration_result_joint_pose(const MlgRegistrationResult *result
                                              size_t joint,
                                              MlgJointPose *out_pose,
                                              MlgError *error);
+
+/**
+ * The coefficients of the shape model, in standard deviations: `*out_count` numbers, borrowed until the
+ * result is freed. NULL without a model or for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_registration_result_coefficients(const MlgRegistrationResult *result,
+                                                   size_t *out_count);
 
 /**
  * Carries a soft tissue surface along with the bones; takes seconds for large ones.

@@ -254,6 +254,29 @@ public:
     void save(const std::string &path) const { call(mlg_skeleton_save, as_const(), path.c_str()); }
 };
 
+/** Shapes of all bones of a template together. */
+class ShapeModel : public Owner<MlgShapeModel, mlg_shape_model_free> {
+public:
+    ShapeModel(const Skeleton &skeleton, const std::string &path)
+        : Owner(make(mlg_shape_model_load, skeleton.as_const(), path.c_str())) {}
+    /** Learnt from skeletons with the template's bones, two or more, in any pose. */
+    static ShapeModel fit(const Skeleton &skeleton, const std::vector<const MlgSkeleton *> &samples) {
+        return ShapeModel(
+            make(mlg_shape_model_fit, skeleton.as_const(), samples.data(), samples.size()));
+    }
+    void save(const std::string &path) const { call(mlg_shape_model_save, as_const(), path.c_str()); }
+    View<double> deviations() const { return view(mlg_shape_model_deviations, 1); }
+    View<double> explained() const { return view(mlg_shape_model_explained, 1); }
+    /** The shape at some coefficients, in standard deviations. */
+    Skeleton shape(const std::vector<double> &coefficients = {}) const {
+        return Skeleton(make<MlgSkeleton>(mlg_shape_model_shape, as_const(), coefficients.data(),
+                                          coefficients.size()));
+    }
+
+private:
+    using Owner::Owner;
+};
+
 class RegistrationResult : public Owner<MlgRegistrationResult, mlg_registration_result_free> {
 public:
     using Owner::Owner;
@@ -273,6 +296,8 @@ public:
         call(mlg_registration_result_bone_fit, as_const(), bone, &fit);
         return fit;
     }
+    /** Of the shape model, in standard deviations; empty without one. */
+    View<double> coefficients() const { return view(mlg_registration_result_coefficients, 1); }
     /** Moves a soft tissue surface with the bones. */
     std::vector<double> carry(const TriMesh &tissue) const {
         std::vector<double> points(tissue.points().size);
@@ -449,6 +474,9 @@ public:
     }
     void set_bone_target(std::size_t bone, const TriMesh &surface) {
         call(mlg_registration_set_bone_target, get(), bone, surface.as_const());
+    }
+    void set_shape_model(const ShapeModel &model) {
+        call(mlg_registration_set_shape_model, get(), model.as_const());
     }
     Run start(const MlgRegistrationOptions &options = registration_options()) const {
         MlgRun *run = nullptr;

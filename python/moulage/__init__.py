@@ -12,6 +12,7 @@ from .native import Error, LibraryError, library
 from .registration import Registration, RegistrationResult
 from .reshaping import Reshaping, ReshapingResult, default_options
 from .separation import Separation, SeparationResult
+from .shape_models import ShapeModel, left_out
 from .shapes import Markers, Pairs, TetMesh, TriMesh
 from .skeletons import Joint, Skeleton
 from .tets import Progress, Run, Tetrahedralization
@@ -19,8 +20,9 @@ from .volumes import Plane, Volume, section
 
 __all__ = [
     "CANCELLED", "Error", "Joint", "LibraryError", "Markers", "Pairs", "Plane", "Progress", "Registration",
-    "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Separation", "SeparationResult", "Skeleton", "TetMesh",
-    "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "section", "version",
+    "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Separation", "SeparationResult", "ShapeModel", "Skeleton",
+    "TetMesh", "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "left_out", "section",
+    "version",
 ]
 
 

@@ -315,10 +315,16 @@ CALLS = {
     "skeleton_save": (_HANDLE, _PATH, _ERROR),
     "skeleton_save_motion": (_HANDLE, _PATH, POINTER(c_char_p), _COUNT, c_double, _PATH, _ERROR),
     "skeleton_joint": (_HANDLE, _COUNT, POINTER(MlgJoint), _ERROR),
+    "shape_model_fit": (_HANDLE, _ARRAY, _COUNT, _OUT, _ERROR),
+    "shape_model_left_out": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ERROR),
+    "shape_model_load": (_HANDLE, _PATH, _OUT, _ERROR),
+    "shape_model_save": (_HANDLE, _PATH, _ERROR),
+    "shape_model_shape": (_HANDLE, _ARRAY, _COUNT, _OUT, _ERROR),
     "registration_new": (_HANDLE, _OUT, _ERROR),
     "registration_set_target": (_HANDLE, _HANDLE, _ERROR),
     "registration_set_bone_target": (_HANDLE, _COUNT, _HANDLE, _ERROR),
     "registration_set_image": (_HANDLE, _HANDLE, _HANDLE, _ERROR),
+    "registration_set_shape_model": (_HANDLE, _HANDLE, _ERROR),
     "registration_start": (_HANDLE, POINTER(MlgRegistrationOptions), _OUT, _ERROR),
     "run_wait_registration": (_HANDLE, _OUT, _ERROR),
     "registration_result_skeleton": (_HANDLE, _OUT, _ERROR),
@@ -383,11 +389,15 @@ GETTERS = {
     "skeleton_angles": (POINTER(c_double), *_GETTER),
     "skeleton_angle_name": (c_char_p, _HANDLE, c_size_t),
     "skeleton_notes": (c_char_p, _HANDLE),
+    "shape_model_deviations": (POINTER(c_double), *_GETTER),
+    "shape_model_explained": (POINTER(c_double), *_GETTER),
+    "registration_result_coefficients": (POINTER(c_double), *_GETTER),
     "run_cancel": (None, _HANDLE),
     **{
         f"{kind}_free": (None, _HANDLE)
         for kind in ("tri_mesh", "tet_mesh", "markers", "pairs", "tetrahedralization", "reshaping",
                      "run", "reshaping_result", "volume", "polylines", "skeleton", "registration",
-                     "registration_result", "separation", "separation_result")
+                     "registration_result", "separation", "separation_result",
+                     "shape_model")
     },
 }

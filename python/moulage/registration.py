@@ -30,6 +30,11 @@ class Registration(Handle):
         the template must lie near them. Millimetres."""
         native.call("registration_set_image", self._handle, person._handle, reference._handle)
 
+    def set_shape_model(self, model):
+        """A ShapeModel of this template that holds the bones to shapes it knows; None: the one that the template's file
+        names, if any."""
+        native.call("registration_set_shape_model", self._handle, None if model is None else model._handle)
+
     def start(self, radii=None, **options):
         """Starts on a thread of the library and returns the Run; its preview has the points of all bones. Options as
         in the header's MlgRegistrationOptions: align, max_iterations, thread_count, paper. `radii`: of the clusters,
@@ -80,6 +85,11 @@ class RegistrationResult(Handle):
         found = found.fields()
         found["centre"], found["rotation"] = numpy.array(found["centre"]), numpy.array(found["rotation"])
         return found
+
+    @property
+    def coefficients(self):
+        """Of the shape model, in standard deviations; empty without one."""
+        return native.borrowed("registration_result_coefficients", self._handle, 1, numpy.float64)
 
     def carry(self, tissue):
         """The points of a soft tissue TriMesh, given in the template's pose, moved with the bones (n, 3)."""

@@ -63,10 +63,16 @@ pub(super) unsafe fn index_rows<const N: usize>(
     Ok(unsafe { elements(pointer.cast::<[u32; N]>(), count, name)? }.to_vec())
 }
 
+/// Handles or other plain values.
+pub(super) unsafe fn list<T: Copy>(pointer: *const T, count: usize, name: &str) -> Outcome<Vec<T>> {
+    // SAFETY: passed on from the caller.
+    Ok(unsafe { elements(pointer, count, name)? }.to_vec())
+}
+
 /// Numbers of any kind.
 pub(super) unsafe fn numbers(pointer: *const f64, count: usize, name: &str) -> Outcome<Vec<f64>> {
     // SAFETY: passed on from the caller.
-    Ok(unsafe { elements(pointer, count, name)? }.to_vec())
+    unsafe { list(pointer, count, name) }
 }
 
 /// Weights, or 1 throughout for NULL.

@@ -9,11 +9,13 @@ use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use super::registration_result::{MlgRegistrationResult, RegistrationResult};
 use super::run::{MlgRun, RunObject, in_pool, wait_for};
+use super::shape_model::{MlgShapeModel, ModelObject};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::volume::MlgVolume;
 use crate::io::VolumeFile;
+use crate::job::read_shape_model;
 use crate::register::options::Levels;
-use crate::register::{Appearance, Options, Registration, Target};
+use crate::register::{Appearance, Options, Registration, ShapeModel, Target};
 use crate::run::Run;
 
 /// A template skeleton and the surface it is to follow. May be used by one thread at a time.
@@ -30,6 +32,8 @@ enum Seen {
 struct ProblemObject {
     template: Arc<SkeletonObject>,
     seen: Mutex<Seen>,
+    /// Statistics in place of those that the template's file names.
+    model: Mutex<Option<Arc<ModelObject>>>,
 }
 
 /// How to register. Set with `mlg_registration_options_init`. Lengths are in the template's unit.
@@ -118,7 +122,8 @@ pub unsafe extern "C" fn mlg_registration_new(
     guard(error, || {
         buffers::check_out(out_problem, "out_problem")?;
         let template = handles::get::<SkeletonObject, _>(template_skeleton, "template_skeleton")?;
-        let problem = ProblemObject { template, seen: Mutex::new(Seen::Nothing) };
+        let (seen, model) = (Mutex::new(Seen::Nothing), Mutex::new(None));
+        let problem = ProblemObject { template, seen, model };
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write(out_problem, handles::give(problem), "out_problem") }
     })
@@ -189,6 +194,28 @@ pub unsafe extern "C" fn mlg_registration_set_image(
     })
 }
 
+/// Holds the bones to shapes that statistics know, in place of scaling each by itself. `model`: of this
+/// template, or NULL: the one that the template's file names, if any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_set_shape_model(
+    problem: *mut MlgRegistration,
+    model: *const MlgShapeModel,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+        let model = if model.is_null() {
+            None
+        } else {
+            let model = handles::get::<ModelObject, _>(model, "model")?;
+            model.check_template(&problem.template)?;
+            Some(model)
+        };
+        *problem.model.lock().unwrap_or_else(PoisonError::into_inner) = model;
+        Ok(())
+    })
+}
+
 impl ProblemObject {
     fn seen(&self) -> Seen {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner).clone()
@@ -196,6 +223,10 @@ impl ProblemObject {
 
     fn set(&self, seen: Seen) {
         *self.seen.lock().unwrap_or_else(PoisonError::into_inner) = seen;
+    }
+
+    fn model(&self) -> Option<Arc<ModelObject>> {
+        self.model.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     fn check(&self) -> Outcome<()> {
@@ -227,9 +258,21 @@ impl ProblemObject {
         })
     }
 
+    /// The statistics that were set, else those that the template's file names.
+    fn shape_model(&self) -> Outcome<Option<ShapeModel>> {
+        if let Some(object) = self.model() {
+            return Ok(Some(object.model.clone()));
+        }
+        let path = self.template.statistics.as_deref();
+        Ok(path.map(|path| read_shape_model(&self.template.skeleton, path)).transpose()?)
+    }
+
     fn compute(&self, options: Options, run: &Run) -> Outcome<RegistrationResult> {
         let target = self.target()?;
-        let registration = Registration::new(self.template.skeleton.clone(), options)?;
+        let mut registration = Registration::new(self.template.skeleton.clone(), options)?;
+        if let Some(model) = self.shape_model()? {
+            registration = registration.with_shape_model(model)?;
+        }
         let registered = registration.register(&target, run)?;
         let seconds = run.progress().seconds;
         Ok(RegistrationResult::new(Arc::clone(&self.template), registered, seconds))
@@ -237,7 +280,11 @@ impl ProblemObject {
 
     /// What a run keeps: the problem may change meanwhile.
     fn copy(&self) -> Self {
-        Self { template: Arc::clone(&self.template), seen: Mutex::new(self.seen()) }
+        Self {
+            template: Arc::clone(&self.template),
+            seen: Mutex::new(self.seen()),
+            model: Mutex::new(self.model()),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a registration gave.
 
 use libc::c_char;
+use std::ptr;
 use std::sync::Arc;
 
 use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or};
@@ -203,6 +204,20 @@ pub unsafe extern "C" fn mlg_registration_result_joint_pose(
         };
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::fill(out_pose, pose, "out_pose") }
+    })
+}
+
+/// The coefficients of the shape model, in standard deviations: `*out_count` numbers, borrowed until the
+/// result is freed. NULL without a model or for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_coefficients(
+    result: *const MlgRegistrationResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    guard_or(ptr::null(), || {
+        let result = object(result)?;
+        // SAFETY: the caller's promise (see the module); the list lives in the table.
+        Ok(unsafe { buffers::lend(&result.registered.coefficients, out_count) })
     })
 }
 

@@ -2,6 +2,7 @@
 
 use libc::c_char;
 use std::ffi::CString;
+use std::path::PathBuf;
 use std::ptr;
 use std::sync::Arc;
 
@@ -96,6 +97,8 @@ pub(super) struct SkeletonObject {
     pub skeleton: Skeleton,
     /// Each bone as it was given; a result shares them with its template.
     pub surfaces: Vec<Arc<Surface>>,
+    /// The shape model that its file names.
+    pub statistics: Option<PathBuf>,
     /// What was left out when it was read, one sentence per line.
     pub notes: CString,
     pub bone_names: Vec<CString>,
@@ -117,6 +120,7 @@ impl SkeletonObject {
         Self {
             bone_names: skeleton.bones.iter().map(|b| c_name(&b.name)).collect(),
             joint_names: skeleton.joints.iter().map(|j| c_name(&j.name)).collect(),
+            statistics: None,
             notes: c_name(&notes.join("\n")),
             angle_names,
             angles,

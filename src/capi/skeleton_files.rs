@@ -44,7 +44,10 @@ fn load(path: &Path) -> Result<SkeletonObject> {
     for file in files.surfaces {
         surfaces.push(Arc::new(Surface { mesh: file.mesh()?, file: Some(file) }));
     }
-    Ok(SkeletonObject::new(files.document, files.skeleton, surfaces, &[]))
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let statistics = files.document.statistics.as_ref().map(|name| folder.join(name));
+    let object = SkeletonObject::new(files.document, files.skeleton, surfaces, &[]);
+    Ok(SkeletonObject { statistics, ..object })
 }
 
 fn load_osim(path: &Path) -> Result<SkeletonObject> {

@@ -47,7 +47,10 @@ pub use inspect::{Data, inspect, inspect_data};
 pub use label_fit::LabelFit;
 pub use measure::{Spread, distance_to_markers, marker_distances, vertex_stretches};
 pub use model_file::{parse_shape_model, read_shape_model, write_shape_model};
-pub use model_job::{ModelFitJob, ModelReport, ModelShapeJob, run_model_fit, run_model_shape};
+pub use model_job::{
+    ModelFitJob, ModelReport, ModelShapeJob, left_out, run_model_fit, run_model_shape, same_bones,
+    shape_in_place,
+};
 pub use output::write_deformed_tets;
 pub use overlay::{CompareJob, SliceFigure, run_compare};
 pub use provenance::InputFile;

@@ -112,12 +112,7 @@ pub fn run_model_fit(job: &ModelFitJob, run: &Run) -> Result<ModelReport> {
 /// The vertices of a result, if it has the template's bones.
 fn sample(template: &Skeleton, path: &Path) -> Result<Vec<Vec3>> {
     let found = read_skeleton(path)?.skeleton;
-    let same = |(a, b): (&crate::register::Bone, &crate::register::Bone)| {
-        a.name == b.name && a.vertices == b.vertices
-    };
-    if found.bones.len() != template.bones.len()
-        || !found.bones.iter().zip(&template.bones).all(same)
-    {
+    if !same_bones(template, &found) {
         return Err(Error::parse(
             path,
             None,
@@ -127,7 +122,9 @@ fn sample(template: &Skeleton, path: &Path) -> Result<Vec<Vec3>> {
     Ok(found.points)
 }
 
-fn left_out(template: &Skeleton, samples: &[Vec<Vec3>], run: &Run) -> Result<Vec<f64>> {
+/// The root mean square distance of each of three or more samples from what a model of the others makes
+/// of it, in the template's unit; empty for two.
+pub fn left_out(template: &Skeleton, samples: &[Vec<Vec3>], run: &Run) -> Result<Vec<f64>> {
     if samples.len() < 3 {
         return Ok(Vec::new());
     }
@@ -161,12 +158,22 @@ pub fn run_model_shape(job: &ModelShapeJob) -> Result<PathBuf> {
             model.mode_count()
         )));
     }
-    let shape = in_place(template, &model.synthesize(&job.coefficients));
+    let shape = shape_in_place(template, &model.synthesize(&job.coefficients));
     write_shape(&job.out, &files, &shape)
 }
 
+/// Whether two skeletons have bones of the same names and numbers of vertices, in one order.
+pub fn same_bones(one: &Skeleton, other: &Skeleton) -> bool {
+    one.bones.len() == other.bones.len()
+        && one
+            .bones
+            .iter()
+            .zip(&other.bones)
+            .all(|(a, b)| a.name == b.name && a.vertices == b.vertices)
+}
+
 /// The shape with each bone on the template's and the joints closed again.
-fn in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
+pub fn shape_in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
     let areas = vertex_areas(&template.points, &template.triangles);
     let placed = put_in_place(template, shape, &template.points, &areas);
     let mut skeleton = template.clone();
@@ -236,13 +243,13 @@ fn page(report: &ModelReport, template: &Skeleton, model: &ShapeModel) -> String
         "<p>Colours: how far the surface moves outwards (red) or inwards (blue) against the mean, at \
          {SHOWN_DEVIATIONS} standard deviations.</p>"
     );
-    let mean = in_place(template, model.mean());
+    let mean = shape_in_place(template, model.mean());
     for mode in 0..model.mode_count().min(SHOWN_MODES) {
         let _ = write!(html, "<h2>Mode {}</h2>", mode + 1);
         for side in [-SHOWN_DEVIATIONS, SHOWN_DEVIATIONS] {
             let mut coefficients = vec![0.0; mode + 1];
             coefficients[mode] = side;
-            let shape = in_place(template, &model.synthesize(&coefficients));
+            let shape = shape_in_place(template, &model.synthesize(&coefficients));
             let picture = mode_picture(template, model.mean(), &mean, &shape, &coefficients, model);
             let png = base64::engine::general_purpose::STANDARD.encode(picture);
             let _ = write!(

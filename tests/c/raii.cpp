@@ -75,5 +75,15 @@ int main() {
     CHECK(found.skeleton().bone_points(0).size == points.size());
     CHECK(found.summary().mean_residual < 0.05 && found.bone_fit(0).seen > 0.5);
     CHECK(std::fabs(found.carry(mesh)[2] - found.skeleton().points()[2]) < 0.1);
+
+    // What the two balls have in common: size.
+    const moulage::Skeleton person = found.skeleton();
+    const auto model =
+        moulage::ShapeModel::fit(skeleton, {skeleton.as_const(), person.as_const()});
+    CHECK(model.deviations().size == 1 && model.explained()[0] > 0.999);
+    const double mean = model.shape().bone_points(0)[2], more = model.shape({1}).bone_points(0)[2];
+    CHECK(std::fabs(mean - 1.05) < 0.02 && std::fabs(more - mean) > 0.03);
+    registration.set_shape_model(model);
+    CHECK(registration.run(close).coefficients().size == 1);
     std::puts("raii: good");
 }

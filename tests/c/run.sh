@@ -19,7 +19,7 @@ ln -s "$libraries/libmoulage.so" "$out/$(readelf -d "$libraries/libmoulage.so" |
 warnings=(-Wall -Wextra -Wconversion -Werror -pedantic)
 sanitize=(-g -fsanitize=address,undefined -fno-sanitize-recover=all)
 link=(-Iinclude -Itests/c -L"$libraries" -Wl,-rpath,"$out" -lmoulage -lm)
-for name in mistakes inputs images register separate runs; do
+for name in mistakes inputs images register models separate runs; do
     gcc -std=c99 "${warnings[@]}" "${sanitize[@]}" tests/c/$name.c -o "$out/$name" "${link[@]}"
     "$out/$name" "$out"
     gcc -std=c99 "${warnings[@]}" -g tests/c/$name.c -o "$out/$name.plain" "${link[@]}"

@@ -10,13 +10,14 @@ nm -D --undefined-only "$library" | grep -q __asan_init || { echo "$library was 
 ln -s "$(realpath "$library")" "$out/$(readelf -d "$library" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')"
 flags=(-g -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude -Itests/c)
 link=(-L"$(dirname "$library")" -Wl,-rpath,"$out" -lmoulage -lm)
-for name in mistakes inputs images register separate runs; do
+for name in mistakes inputs images register models separate runs; do
     gcc -std=c99 "${flags[@]}" tests/c/$name.c -o "$out/$name" "${link[@]}"
 done
 "$out/mistakes"
 "$out/inputs" "$out"
 "$out/images" "$out"
 "$out/register" "$out" quick
+"$out/models" "$out"
 "$out/separate" "$out" quick
 "$out/runs" quick
 g++ -std=c++17 "${flags[@]}" tests/c/raii.cpp -o "$out/raii" "${link[@]}"

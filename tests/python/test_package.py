@@ -295,6 +295,40 @@ class Skeletons(unittest.TestCase):
         carried = result.carry(moulage.TriMesh(hand.bone_points(4), hand.bone_triangles(4)))
         self.assertLess(numpy.linalg.norm(carried - person.bone_points(4), axis=1).mean(), 2.0)
 
+    def test_a_shape_model_is_learnt_saved_and_holds_a_registration(self):
+        hand = moulage.Skeleton.load(HAND / "skeleton.json")
+
+        def finger(length, width):
+            """The first two bones of a hand of another size."""
+            surfaces = [
+                moulage.TriMesh(hand.bone_points(b) * (width, width, length), hand.bone_triangles(b)) for b in (4, 5)
+            ]
+            return moulage.Skeleton(zip("ab", surfaces), [moulage.Joint("j", 0, 1)])
+
+        template = finger(1, 1)
+        samples = [finger(*sizes) for sizes in ((0.9, 1), (1.1, 1.04), (1, 0.93), (0.97, 1.08))]
+        model = moulage.ShapeModel(template, samples)
+        self.assertGreater(model.explained[1], 0.99)
+        self.assertLess(moulage.left_out(template, samples).max(), 0.2)
+        with tempfile.TemporaryDirectory() as folder:
+            model.save(Path(folder) / "finger.h5.json")
+            again = moulage.ShapeModel.load(template, Path(folder) / "finger.h5.json")
+        numpy.testing.assert_allclose(again.deviations[:2], model.deviations[:2], rtol=1e-4)
+        shapes = [model.shape([c]).points for c in (-1, 0, 1)]
+        self.assertGreater(numpy.linalg.norm(shapes[2] - shapes[0], axis=1).max(), 0.5)
+        with self.assertRaisesRegex(moulage.Error, "modes"):
+            model.shape([0] * 9)
+        with self.assertRaisesRegex(moulage.Error, "not of this template"):
+            moulage.ShapeModel(template, [hand, hand])
+        problem = moulage.Registration(template)
+        wanted = finger(1.05, 1.02)
+        for b in (0, 1):
+            problem.set_bone_target(b, moulage.TriMesh(wanted.bone_points(b), wanted.bone_triangles(b)))
+        problem.set_shape_model(model)
+        result = problem.run(align=0)
+        self.assertEqual(len(result.coefficients), len(model.deviations))
+        self.assertLess(numpy.linalg.norm(result.skeleton.points - wanted.points, axis=1).mean(), 0.3)
+
     def test_a_registration_can_be_stopped(self):
         hand = moulage.Skeleton.load(HAND / "skeleton.json")
         problem = moulage.Registration(hand)
