@@ -195,6 +195,11 @@ typedef enum {
 typedef struct MlgMarkers MlgMarkers;
 
 /**
+ * Named angles over time, and the skeleton that they move. Immutable; may be read from many threads.
+ */
+typedef struct MlgMotion MlgMotion;
+
+/**
  * Places on a template with their targets: landmarks or attachments. Immutable; may be read from
  * many threads.
  */
@@ -1965,9 +1970,9 @@ MlgStatus mlg_skeleton_save(const MlgSkeleton *skeleton,
                             MlgError *error);
 
 /**
- * Writes a skeleton as a scene `.glb` that moves as an OpenSim motion says.
+ * Writes a skeleton as a scene `.glb` that moves as a motion file says.
  *
- * `motion_path`: a `.mot` or `.sto` file. `flipped`: `flipped_count` names of angles whose sign is
+ * `motion_path`: a `.mot`, `.sto` or `.bvh` file. `flipped`: `flipped_count` names of angles whose sign is
  * the opposite of the skeleton's; may be NULL if that is 0. `unit_in_metres`: of the skeleton; 0: as
  * its file says, else millimetres.
  */
@@ -1978,6 +1983,89 @@ MlgStatus mlg_skeleton_save_motion(const MlgSkeleton *skeleton,
                                    double unit_in_metres,
                                    const char *path,
                                    MlgError *error);
+
+/**
+ * Writes a person's skeleton into the OpenSim model that its template was converted from: `.osim`, the
+ * bones in `Geometry/` beside it. Muscle points and markers follow the bones' shapes.
+ *
+ * `model_path`: that model. `path`: UTF-8. What was not carried over is written to `buffer`, one
+ * sentence per line: UTF-8, zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if
+ * `capacity` is 0. `out_length`: bytes of the whole text without the zero; may be NULL.
+ */
+MlgStatus mlg_skeleton_save_osim(const MlgSkeleton *skeleton,
+                                 const char *model_path,
+                                 const char *path,
+                                 char *buffer,
+                                 size_t capacity,
+                                 size_t *out_length,
+                                 MlgError *error);
+
+/**
+ * Makes a motion from arrays, which are copied.
+ *
+ * `names`: `angle_count` names of angles, UTF-8, as `mlg_skeleton_angle_name` tells them. `times`:
+ * `frame_count` seconds, rising. `angles`: `frame_count * angle_count` radians, one frame after the
+ * other. None may be NULL unless its count is 0. Free with `mlg_motion_free`.
+ */
+MlgStatus mlg_motion_new(const MlgSkeleton *skeleton,
+                         const char *const *names,
+                         size_t angle_count,
+                         const double *times,
+                         const double *angles,
+                         size_t frame_count,
+                         MlgMotion **out_motion,
+                         MlgError *error);
+
+/**
+ * Reads a motion: OpenSim's `.mot` or `.sto`, or `.bvh` whose nodes are named as the bones.
+ *
+ * `flipped`: `flipped_count` names of angles whose sign is the opposite of the skeleton's; may be NULL
+ * if that is 0. `path`: UTF-8. Free with `mlg_motion_free`.
+ */
+MlgStatus mlg_motion_load(const MlgSkeleton *skeleton,
+                          const char *path,
+                          const char *const *flipped,
+                          size_t flipped_count,
+                          MlgMotion **out_motion,
+                          MlgError *error);
+
+/**
+ * Writes a motion: `.mot` for OpenSim, `.bvh` with the bones as a tree, or `.glb`: a scene of the
+ * skeleton that moves. `path`: UTF-8.
+ */
+MlgStatus mlg_motion_save(const MlgMotion *motion, const char *path, MlgError *error);
+
+/**
+ * The times of the frames: `*out_count` seconds, borrowed until the motion is freed. NULL without
+ * frames or for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_motion_times(const MlgMotion *motion, size_t *out_count);
+
+/**
+ * The angles, one frame after the other, in the order of their names: `*out_count` numbers in all,
+ * radians (columns whose names end in `_tx`, `_ty` or `_tz`: lengths as in the file), borrowed until
+ * the motion is freed. NULL without any or for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_motion_angles(const MlgMotion *motion,
+                                size_t *out_count);
+
+/**
+ * The name of an angle: UTF-8, borrowed until the motion is freed. NULL if there is no angle of that
+ * number, from 0, or the handle is not valid.
+ */
+const char *mlg_motion_angle_name(const MlgMotion *motion,
+                                  size_t angle);
+
+/**
+ * What of the motion the skeleton does not know, in a sentence: UTF-8, borrowed until the motion is
+ * freed; empty if it knows all. NULL for a handle that is not valid.
+ */
+const char *mlg_motion_notes(const MlgMotion *motion);
+
+/**
+ * Frees a motion. NULL and handles freed already are allowed.
+ */
+void mlg_motion_free(MlgMotion *motion);
 
 /**
  * Learns the shapes of all bones together, pose removed. Takes seconds for large skeletons.

@@ -254,6 +254,20 @@ public:
     void save(const std::string &path) const { call(mlg_skeleton_save, as_const(), path.c_str()); }
 };
 
+/** Named angles of a skeleton's joints over time. */
+class Motion : public Owner<MlgMotion, mlg_motion_free> {
+public:
+    Motion(const Skeleton &skeleton, const std::string &path,
+           const std::vector<const char *> &flipped = {})
+        : Owner(make(mlg_motion_load, skeleton.as_const(), path.c_str(), flipped.data(),
+                     flipped.size())) {}
+    View<double> times() const { return view(mlg_motion_times, 1); }
+    /** One frame after the other. */
+    View<double> angles() const { return view(mlg_motion_angles, 1); }
+    std::string notes() const { return mlg_motion_notes(get()); }
+    void save(const std::string &path) const { call(mlg_motion_save, as_const(), path.c_str()); }
+};
+
 /** Shapes of all bones of a template together. */
 class ShapeModel : public Owner<MlgShapeModel, mlg_shape_model_free> {
 public:

@@ -31,6 +31,7 @@ fn the_header_is_up_to_date() {
         "skeleton",
         "skeleton_parts",
         "skeleton_files",
+        "motion",
         "shape_model",
         "registration",
         "registration_result",

@@ -8,6 +8,7 @@
 """
 
 from .interface import CANCELLED
+from .motions import Motion
 from .native import Error, LibraryError, library
 from .registration import Registration, RegistrationResult
 from .reshaping import Reshaping, ReshapingResult, default_options
@@ -19,7 +20,7 @@ from .tets import Progress, Run, Tetrahedralization
 from .volumes import Plane, Volume, section
 
 __all__ = [
-    "CANCELLED", "Error", "Joint", "LibraryError", "Markers", "Pairs", "Plane", "Progress", "Registration",
+    "CANCELLED", "Error", "Joint", "LibraryError", "Markers", "Motion", "Pairs", "Plane", "Progress", "Registration",
     "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Separation", "SeparationResult", "ShapeModel", "Skeleton",
     "TetMesh", "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "left_out", "section",
     "version",

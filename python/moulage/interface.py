@@ -314,6 +314,10 @@ CALLS = {
     "skeleton_load": (_PATH, _OUT, _ERROR),
     "skeleton_save": (_HANDLE, _PATH, _ERROR),
     "skeleton_save_motion": (_HANDLE, _PATH, POINTER(c_char_p), _COUNT, c_double, _PATH, _ERROR),
+    "skeleton_save_osim": (_HANDLE, _PATH, _PATH, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
+    "motion_new": (_HANDLE, POINTER(c_char_p), _COUNT, _ARRAY, _ARRAY, _COUNT, _OUT, _ERROR),
+    "motion_load": (_HANDLE, _PATH, POINTER(c_char_p), _COUNT, _OUT, _ERROR),
+    "motion_save": (_HANDLE, _PATH, _ERROR),
     "skeleton_joint": (_HANDLE, _COUNT, POINTER(MlgJoint), _ERROR),
     "shape_model_fit": (_HANDLE, _ARRAY, _COUNT, _OUT, _ERROR),
     "shape_model_left_out": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ERROR),
@@ -389,6 +393,10 @@ GETTERS = {
     "skeleton_angles": (POINTER(c_double), *_GETTER),
     "skeleton_angle_name": (c_char_p, _HANDLE, c_size_t),
     "skeleton_notes": (c_char_p, _HANDLE),
+    "motion_times": (POINTER(c_double), *_GETTER),
+    "motion_angles": (POINTER(c_double), *_GETTER),
+    "motion_angle_name": (c_char_p, _HANDLE, c_size_t),
+    "motion_notes": (c_char_p, _HANDLE),
     "shape_model_deviations": (POINTER(c_double), *_GETTER),
     "shape_model_explained": (POINTER(c_double), *_GETTER),
     "registration_result_coefficients": (POINTER(c_double), *_GETTER),
@@ -398,6 +406,6 @@ GETTERS = {
         for kind in ("tri_mesh", "tet_mesh", "markers", "pairs", "tetrahedralization", "reshaping",
                      "run", "reshaping_result", "volume", "polylines", "skeleton", "registration",
                      "registration_result", "separation", "separation_result",
-                     "shape_model")
+                     "shape_model", "motion")
     },
 }

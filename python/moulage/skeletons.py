@@ -86,8 +86,19 @@ class Skeleton(Handle):
         """Writes a .skeleton.json file with bones/ beside it, or a .glb scene."""
         native.call("skeleton_save", self._handle, native.path(path))
 
+    def save_osim(self, model, path):
+        """Writes this person into the OpenSim model that the template was converted from: .osim, bones in Geometry/
+        beside it. Returns what was not carried over, one sentence each."""
+        length = native.c_size_t()
+        buffer = native.ctypes.create_string_buffer(65536)
+        native.call(
+            "skeleton_save_osim", self._handle, native.path(model), native.path(path), native.ctypes.addressof(buffer),
+            len(buffer), byref(length),
+        )
+        return buffer.value.decode("utf-8", "replace").splitlines()
+
     def save_motion(self, motion, path, flipped=(), unit_in_metres=0.0):
-        """Writes a .glb scene that moves as an OpenSim .mot file says. `flipped`: angles of the opposite sign."""
+        """Writes a .glb scene that moves as a .mot, .sto or .bvh file says. `flipped`: angles of the opposite sign."""
         names = native.texts(list(flipped))
         native.call(
             "skeleton_save_motion", self._handle, native.path(motion), names, len(names), unit_in_metres, native.path(path)

@@ -114,7 +114,6 @@ impl SkeletonObject {
         surfaces: Vec<Arc<Surface>>,
         notes: &[String],
     ) -> Self {
-        let c_name = |name: &str| CString::new(name.replace('\0', " ")).unwrap_or_default();
         let (angle_names, angles) =
             present_angles(&skeleton).into_iter().map(|(name, a)| (c_name(&name), a)).unzip();
         Self {
@@ -129,6 +128,11 @@ impl SkeletonObject {
             surfaces,
         }
     }
+}
+
+/// A name for C callers, who cannot have zeros in it.
+pub(super) fn c_name(name: &str) -> CString {
+    CString::new(name.replace('\0', " ")).unwrap_or_default()
 }
 
 /// Writes the defaults of a joint. `struct_size`: `sizeof *out_joint`.

@@ -14,7 +14,7 @@ use crate::io::gltf::write_glb;
 use crate::io::{write_beside, write_surface};
 use crate::job::skeleton_build::{build_skeleton, skeleton_document};
 use crate::job::{
-    file_name, metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene,
+    file_name, metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene, write_osim,
 };
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
@@ -123,9 +123,9 @@ fn save_json(object: &SkeletonObject, path: &Path) -> Result<()> {
     write_beside(path, |out| out.write_all(text.as_bytes()))
 }
 
-/// Writes a skeleton as a scene `.glb` that moves as an OpenSim motion says.
+/// Writes a skeleton as a scene `.glb` that moves as a motion file says.
 ///
-/// `motion_path`: a `.mot` or `.sto` file. `flipped`: `flipped_count` names of angles whose sign is
+/// `motion_path`: a `.mot`, `.sto` or `.bvh` file. `flipped`: `flipped_count` names of angles whose sign is
 /// the opposite of the skeleton's; may be NULL if that is 0. `unit_in_metres`: of the skeleton; 0: as
 /// its file says, else millimetres.
 #[unsafe(no_mangle)]
@@ -161,6 +161,34 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
     })
 }
 
-fn has_extension(path: &Path, extension: &str) -> bool {
+/// Writes a person's skeleton into the OpenSim model that its template was converted from: `.osim`, the
+/// bones in `Geometry/` beside it. Muscle points and markers follow the bones' shapes.
+///
+/// `model_path`: that model. `path`: UTF-8. What was not carried over is written to `buffer`, one
+/// sentence per line: UTF-8, zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if
+/// `capacity` is 0. `out_length`: bytes of the whole text without the zero; may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_save_osim(
+    skeleton: *const MlgSkeleton,
+    model_path: *const c_char,
+    path: *const c_char,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
+        // SAFETY: the caller's promise (see the module).
+        let model_path = unsafe { buffers::path(model_path, "model_path")? };
+        // SAFETY: as above.
+        let path = unsafe { buffers::path(path, "path")? };
+        let notes = write_osim(&model_path, &object.skeleton, &object.document, &path)?;
+        // SAFETY: as above.
+        unsafe { buffers::write_text(&notes.join("\n"), buffer, capacity, out_length) }
+    })
+}
+
+pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

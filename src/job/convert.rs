@@ -18,6 +18,8 @@ use crate::io::vtp::read_vtp;
 use crate::io::{read_bytes, read_surface, write_beside, write_surface};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
+use crate::register::Skeleton;
+use crate::register::animation::Motion;
 
 /// Metres per unit of a skeleton file that says its unit; millimetres otherwise.
 pub fn metres_per_unit(units: Option<&str>) -> f64 {
@@ -77,7 +79,8 @@ pub fn convert(job: &Conversion) -> Result<Vec<String>> {
                 "--model is missing: the OpenSim model that the template was converted from",
             )
         })?;
-        return write_osim(model, &read_skeleton(from)?, to);
+        let person = read_skeleton(from)?;
+        return write_osim(model, &person.skeleton, &person.document, to);
     }
     if ends(from, &[".mot", ".sto", ".bvh"]) && ends(to, &[".mot", ".bvh"]) {
         return convert_motion(job);
@@ -98,21 +101,34 @@ fn convert_motion(job: &Conversion) -> Result<Vec<String>> {
     })?;
     let skeleton = read_skeleton(skeleton)?.skeleton;
     let motion = read_motion(&job.from, &skeleton, &job.flip)?;
-    if job.to.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
-        write_bvh(&job.to, &bvh_of_motion(&skeleton, &motion)?)?;
-        let known = |name: &&String| {
-            !skeleton.joints.iter().flat_map(|j| &j.coordinates).any(|c| c.name == **name)
-        };
-        let left: Vec<&str> = motion.names.iter().filter(known).map(String::as_str).collect();
-        return Ok(if left.is_empty() {
-            Vec::new()
-        } else {
-            vec![format!("the skeleton has no angle {}; left out", left.join(", "))]
-        });
+    write_motion_file(&job.to, &skeleton, &motion)?;
+    Ok(if is_bvh(&job.to) {
+        unknown_angles(&skeleton, &motion).into_iter().collect()
+    } else {
+        Vec::new()
+    })
+}
+
+fn is_bvh(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh"))
+}
+
+/// Writes a motion of a skeleton: `.bvh`, or OpenSim's `.mot`.
+pub fn write_motion_file(path: &Path, skeleton: &Skeleton, motion: &Motion) -> Result<()> {
+    if is_bvh(path) {
+        return write_bvh(path, &bvh_of_motion(skeleton, motion)?);
     }
-    let table = MotionTable { names: motion.names, times: motion.times, rows: motion.frames };
-    write_motion(&job.to, &table)?;
-    Ok(Vec::new())
+    let Motion { names, times, frames } = motion.clone();
+    write_motion(path, &MotionTable { names, times, rows: frames })
+}
+
+/// The angles of a motion that the skeleton does not have, in a sentence.
+pub fn unknown_angles(skeleton: &Skeleton, motion: &Motion) -> Option<String> {
+    let unknown = |name: &&String| {
+        !skeleton.joints.iter().flat_map(|j| &j.coordinates).any(|c| c.name == **name)
+    };
+    let left: Vec<&str> = motion.names.iter().filter(unknown).map(String::as_str).collect();
+    (!left.is_empty()).then(|| format!("the skeleton has no angle {}; left out", left.join(", ")))
 }
 
 /// Reads an OpenSim model: its skeleton, the surface of each bone in the default pose, metres, and

@@ -39,7 +39,9 @@ pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
 pub use batch::{BatchJob, Case, CaseRecord, Status, run_batch};
 pub use bvh_motion::{bvh_of_motion, motion_of_bvh};
 pub use check_files::{FileCheck, check_file};
-pub use convert::{Conversion, convert, metres_per_unit, read_osim_skeleton};
+pub use convert::{
+    Conversion, convert, metres_per_unit, read_osim_skeleton, unknown_angles, write_motion_file,
+};
 pub use fill::{Filling, fill, fill_with};
 pub use image_target::Measure;
 pub use inputs::{Inputs, Pair, read_fixed_vertices, read_landmark_pairs};
@@ -51,6 +53,7 @@ pub use model_job::{
     ModelFitJob, ModelReport, ModelShapeJob, left_out, run_model_fit, run_model_shape, same_bones,
     shape_in_place,
 };
+pub use osim_write::write_osim;
 pub use output::write_deformed_tets;
 pub use overlay::{CompareJob, SliceFigure, run_compare};
 pub use provenance::InputFile;

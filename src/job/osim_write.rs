@@ -10,12 +10,12 @@ use std::path::Path;
 use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::convert::{metres_per_unit, read_osim_skeleton};
-use super::register_job::SkeletonFiles;
 use super::register_output::file_name;
 use super::skeleton_build::build_skeleton;
 use crate::error::{Error, Result};
 use crate::io::osim::parse_osim;
 use crate::io::osim_edit::{OsimChanges, edit_osim};
+use crate::io::skeleton::SkeletonDocument;
 use crate::io::{read_bytes, write_beside, write_surface};
 use crate::math::Vec3;
 use crate::register::Skeleton;
@@ -35,15 +35,19 @@ struct Changes {
     angles: HashMap<String, f64>,
 }
 
-/// Writes `person`, whose template is the OpenSim model `original`, as a model with its meshes in
+/// Writes `person` with its file, whose template is the OpenSim model `original`, as a model with its meshes in
 /// `Geometry/` beside it. Returns notes on what was not carried over.
-pub fn write_osim(original: &Path, person: &SkeletonFiles, to: &Path) -> Result<Vec<String>> {
+pub fn write_osim(
+    original: &Path,
+    person: &Skeleton,
+    document: &SkeletonDocument,
+    to: &Path,
+) -> Result<Vec<String>> {
     let text = String::from_utf8_lossy(&read_bytes(original)?).into_owned();
     let model = parse_osim(&text, original)?;
-    let (document, meshes, mut notes) = read_osim_skeleton(original)?;
-    let template = build_skeleton(&document, meshes)?;
-    let scale = metres_per_unit(person.document.units.as_deref());
-    let person = in_metres(&person.skeleton, scale);
+    let (own_document, meshes, mut notes) = read_osim_skeleton(original)?;
+    let template = build_skeleton(&own_document, meshes)?;
+    let person = in_metres(person, metres_per_unit(document.units.as_deref()));
     check_same(&template, &person, original)?;
     let areas = vertex_areas(&template.points, &template.triangles);
 
@@ -219,7 +223,9 @@ mod tests {
         let away = Isometry3::new(Vec3::new(3.0, 1.0, -2.0), Vec3::new(0.3, 1.0, 0.2));
         person.skeleton.move_bones(&[away, away * bend]);
         std::fs::create_dir(at("out")).unwrap();
-        let notes = write_osim(&at("arm.osim"), &person, &at("out/person.osim")).unwrap();
+        let notes =
+            write_osim(&at("arm.osim"), &person.skeleton, &person.document, &at("out/person.osim"))
+                .unwrap();
         assert!(notes.iter().any(|n| n.contains("base")), "{notes:?}");
 
         let text = std::fs::read_to_string(at("out/person.osim")).unwrap();
@@ -251,10 +257,10 @@ mod tests {
         let bone = "v 0 0 0\nv 1 0 0\nv 0 0.5 0\nv 0 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
         std::fs::write(at("bone.obj"), bone).unwrap();
         let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
-        let skeleton = build_skeleton(&document, meshes).unwrap();
-        let mut person = SkeletonFiles { document, skeleton, surfaces: Vec::new() };
-        person.skeleton.bones[1].name = "c".into();
-        let error = write_osim(&at("arm.osim"), &person, &at("p.osim")).unwrap_err().to_string();
+        let mut person = build_skeleton(&document, meshes).unwrap();
+        person.bones[1].name = "c".into();
+        let error = write_osim(&at("arm.osim"), &person, &document, &at("p.osim"));
+        let error = error.unwrap_err().to_string();
         assert!(error.contains("bone b"), "{error}");
     }
 }

@@ -24,6 +24,8 @@ for name in mistakes inputs images register models separate runs; do
     "$out/$name" "$out"
     gcc -std=c99 "${warnings[@]}" -g tests/c/$name.c -o "$out/$name.plain" "${link[@]}"
 done
+gcc -std=c99 "${warnings[@]}" "${sanitize[@]}" tests/c/motions.c -o "$out/motions" "${link[@]}"
+"$out/motions" examples "$out"
 g++ -std=c++17 "${warnings[@]}" "${sanitize[@]}" tests/c/raii.cpp -o "$out/raii" "${link[@]}"
 "$out/raii"
 g++ -std=c++17 "${warnings[@]}" examples/cpp/reshape.cpp -o "$out/reshape_cpp" "${link[@]}"
@@ -40,6 +42,10 @@ mkdir -p "$out/c/hand" "$out/cli"
 cmp "$out/c/liver.obj" "$out/cli/liver.obj"
 cmp "$out/c/liver.vtu" "$out/cli/liver.vtu"
 diff -r "$out/c/hand/bones" "$out/cli/hand/bones"
+"$libraries/moulage" convert "$out/walk.mot" "$out/cli/walk.bvh" --skeleton examples/hand/skeleton.json >/dev/null
+"$libraries/moulage" convert examples/hand/skeleton.json "$out/cli/walk.glb" --motion "$out/walk.mot" >/dev/null
+cmp "$out/walk.bvh" "$out/cli/walk.bvh"
+cmp "$out/walk.glb" "$out/cli/walk.glb"
 "$libraries/moulage" separate "$out/left.vtu" "$out/right.vtu" -o "$out/cli/apart" >/dev/null
 "$out/separate" "$out" "$out/cli/apart"
 

@@ -295,6 +295,31 @@ class Skeletons(unittest.TestCase):
         carried = result.carry(moulage.TriMesh(hand.bone_points(4), hand.bone_triangles(4)))
         self.assertLess(numpy.linalg.norm(carried - person.bone_points(4), axis=1).mean(), 2.0)
 
+    def test_a_motion_goes_through_files(self):
+        hand = moulage.Skeleton.load(HAND / "skeleton.json")
+        times = numpy.arange(5) / 25
+        bends = {name: 0.1 * times / times[-1] for name in list(hand.angles)[:3]}
+        motion = moulage.Motion(hand, times, bends)
+        self.assertEqual(motion.notes, "")
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("a.bvh", "a.mot", "a.glb"):
+                motion.save(Path(folder) / name)
+            read = moulage.Motion.load(hand, Path(folder) / "a.mot", flipped=list(bends)[:1])
+            tree = moulage.Motion.load(hand, Path(folder) / "a.bvh")
+            still = Path(folder) / "still.glb"
+            hand.save(still)
+            self.assertGreater((Path(folder) / "a.glb").stat().st_size, still.stat().st_size)
+        numpy.testing.assert_allclose(read.times, times)
+        for sign, (name, values) in zip((-1, 1, 1), bends.items()):
+            numpy.testing.assert_allclose(read.angles[name], sign * values, atol=1e-9)
+            numpy.testing.assert_allclose(tree.angles[name], values, atol=1e-6)
+        other = moulage.Motion(hand, times, {"no such angle": times})
+        self.assertIn("no such angle", other.notes)
+        with self.assertRaisesRegex(moulage.Error, "times are finite and rise"):
+            moulage.Motion(hand, times[::-1], bends)
+        with self.assertRaisesRegex(ValueError, "one for each time"):
+            moulage.Motion(hand, times, {"a": [1.0]})
+
     def test_a_shape_model_is_learnt_saved_and_holds_a_registration(self):
         hand = moulage.Skeleton.load(HAND / "skeleton.json")
 
