@@ -46,7 +46,7 @@ diff -r "$out/c/hand/bones" "$out/cli/hand/bones"
 "$libraries/moulage" convert examples/hand/skeleton.json "$out/cli/walk.glb" --motion "$out/walk.mot" >/dev/null
 cmp "$out/walk.bvh" "$out/cli/walk.bvh"
 cmp "$out/walk.glb" "$out/cli/walk.glb"
-"$libraries/moulage" separate "$out/left.vtu" "$out/right.vtu" -o "$out/cli/apart" >/dev/null
+"$libraries/moulage" separate "$out/left.vtu" "$out/right.vtu" --surfaces "$out/left.obj" "$out/right.obj" -o "$out/cli/apart" >/dev/null
 "$out/separate" "$out" "$out/cli/apart"
 
 # Inlined frames are not asked for: reading them takes minutes.

@@ -1,5 +1,5 @@
 /* Bodies pushed apart: balls that overlap, a reshaped one beside a bone, cancel, mistakes.
- *   separate FOLDER            all of it; leaves left.vtu and right.vtu there
+ *   separate FOLDER            all of it; leaves left and right there, .vtu and .obj
  *   separate FOLDER quick      the same with few tets, for sanitizers
  *   separate FOLDER APART      what the command line made of the two, compared bit by bit */
 #include "shapes.h"
@@ -302,14 +302,18 @@ static char *in(const char *folder, const char *name) {
 /* The same two bodies through files, as the command line has them. */
 static void files(const char *folder, const char *apart) {
     static const char *const names[] = {"left.vtu", "right.vtu"};
+    static const char *const surfaces[] = {"left.obj", "right.obj"};
     MlgSeparation *problem = NULL;
     MlgSeparationResult *result = NULL;
     size_t b, count = 0, more = 0;
     check(mlg_separation_new(&problem, &error));
     for (b = 0; b < 2; b++) {
         MlgTetMesh *tets = NULL;
+        MlgTriMesh *surface = NULL;
         check(mlg_tet_mesh_load(in(folder, names[b]), &tets, &error));
-        check(mlg_separation_add_body(problem, names[b], tets, NULL, &error));
+        check(mlg_tri_mesh_load(in(folder, surfaces[b]), &surface, &error));
+        check(mlg_separation_add_body(problem, names[b], tets, surface, &error));
+        mlg_tri_mesh_free(surface);
         mlg_tet_mesh_free(tets);
     }
     check(mlg_separation_run(problem, NULL, &result, &error));
@@ -336,6 +340,8 @@ int main(int argc, char **argv) {
         Ball left = ball(0, tet_count), right = ball(1.7, tet_count);
         check(mlg_tet_mesh_save(left.tets, in(argv[1], "left.vtu"), &error));
         check(mlg_tet_mesh_save(right.tets, in(argv[1], "right.vtu"), &error));
+        check(mlg_tri_mesh_save(left.surface, NULL, 0, in(argv[1], "left.obj"), &error));
+        check(mlg_tri_mesh_save(right.surface, NULL, 0, in(argv[1], "right.obj"), &error));
         free_ball(left);
         free_ball(right);
         mistakes();
