@@ -7,6 +7,20 @@ dist=$1
 pictures=${2:-target/blender/pictures}
 mkdir -p target/blender
 
+# Debian's Blender in a window, while the others go on without one.
+in_a_window() {
+    for folder in CONFIG SCRIPTS DATAFILES; do
+        export "BLENDER_USER_$folder=$(mktemp -d)"
+    done
+    LIBGL_ALWAYS_SOFTWARE=1 timeout 2400 xvfb-run -a -s "-screen 0 1400x1000x24 +extension GLX +render -noreset" \
+        blender --factory-startup --enable-event-simulate --window-geometry 0 0 1400 1000 \
+        --python tests/blender/window/session.py -- "$dist" "$pictures"
+}
+rm -rf "$pictures"
+in_a_window >target/blender/window.log 2>&1 &
+window=$!
+trap 'kill "$window" 2>/dev/null || true' EXIT
+
 for version in 4.2.23 4.5.15 5.0.1; do
     venv=target/blender/bpy-$version
     if [ ! -e "$venv/ready" ]; then
@@ -20,15 +34,15 @@ for version in 4.2.23 4.5.15 5.0.1; do
     timeout 900 "$venv/bin/python" tests/blender/run.py "$dist"
 done
 
-# Debian's Blender, first without a window, then with one.
 for folder in CONFIG SCRIPTS DATAFILES; do
     export "BLENDER_USER_$folder=$(mktemp -d)"
 done
 timeout 900 blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- "$dist"
-rm -rf "$pictures"
-LIBGL_ALWAYS_SOFTWARE=1 timeout 2400 xvfb-run -a -s "-screen 0 1400x1000x24 +extension GLX +render -noreset" \
-    blender --factory-startup --enable-event-simulate --window-geometry 0 0 1400 1000 \
-    --python tests/blender/window/session.py -- "$dist" "$pictures"
+
+ended=0
+wait "$window" || ended=$?
+cat target/blender/window.log
+[ "$ended" -eq 0 ] || { echo "the session in a window ended with $ended"; exit 1; }
 for picture in start check tets template_and_markers landmarks attachments attached running result heat_map_distance \
     heat_map_stretch slices scan label_map skeleton_start skeleton_running skeleton; do
     colours=$(identify -format %k "$pictures/$picture.png")
