@@ -141,7 +141,10 @@ fn a_broken_case_stops_no_other_and_only_what_changed_is_done_again() {
 #[test]
 fn statistics_find_the_one_way_in_which_the_cases_differ() {
     let study = Study::new("statistics", &[0.8, 1.0, 1.2]);
-    study.batch(&["case_0.toml", "case_1.toml", "case_2.toml"]);
+    let cases = study.batch(&["case_0.toml", "case_1.toml", "case_2.toml"]);
+    for case in &cases {
+        assert_eq!(case.record.status, Status::Good, "{}", case.record.message);
+    }
     let mean = length(&study.0.join("out/statistics/result/mean.obj"));
     let lengths = [0, 1, 2].map(|k| length(&study.0.join(format!("out/case_{k}/result.obj"))));
     assert!((mean - lengths.iter().sum::<f64>() / 3.0).abs() < 0.02, "{mean} of {lengths:?}");

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::error::{Error, Result};
 
@@ -46,11 +47,14 @@ pub fn check_writable(path: &Path) -> Result<()> {
     made.map_err(|e| Error::io("write", path, e))
 }
 
-/// A name in the same folder (renaming works only within one file system), one per process.
+/// A name in the same folder (renaming works only within one file system), another one at every call:
+/// jobs side by side write files of one name, and look whether they can before their folders exist.
 fn beside(path: &Path) -> PathBuf {
+    static CALLS: AtomicUsize = AtomicUsize::new(0);
+    let call = CALLS.fetch_add(1, Ordering::Relaxed);
     let mut name = OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
+    name.push(format!(".{}.{call}.part", std::process::id()));
     path.with_file_name(name)
 }
 
@@ -84,6 +88,20 @@ mod tests {
         let error = check_writable(&path.join("d.txt")).unwrap_err().to_string();
         assert!(error.starts_with("cannot write "), "{error}");
         assert_eq!(fs::read_dir(folder.join("a")).unwrap().count(), 1);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn files_of_one_name_are_checked_side_by_side() {
+        let folder = std::env::temp_dir().join(format!("moulage_probe_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        std::thread::scope(|scope| {
+            for k in 0..4 {
+                let path = folder.join(format!("{k}/result.obj"));
+                scope.spawn(move || (0..200).for_each(|_| check_writable(&path).unwrap()));
+            }
+        });
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
         fs::remove_dir_all(folder).unwrap();
     }
 }
