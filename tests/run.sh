@@ -28,6 +28,7 @@ run_core() {
 run_c() {
     install_debian gcc g++ cmake pkg-config valgrind binutils python3 tetgen
     bash tests/c/run.sh
+    bash tests/c/sanitize.sh
     bash tests/c/install.sh
 }
 
@@ -83,15 +84,13 @@ run_meshlab() {
     bash tests/meshlab/run.sh
 }
 
-# Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts. The library
-# that this builds has AddressSanitizer inside: the C programs run on it as well.
+# Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.
 run_fuzz() {
-    install_debian gcc g++ binutils tetgen
+    install_debian gcc g++
     cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked
     # The sanitizers are not yet stable parts of the compiler.
     export RUSTC_BOOTSTRAP=1
     cargo fuzz build
-    bash tests/c/sanitize.sh
     for target in $(cargo fuzz list); do
         mkdir -p "fuzz/corpus/$target" "fuzz/seeds/$target"
         cargo fuzz run "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- \
