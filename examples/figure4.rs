@@ -10,6 +10,7 @@ mod hands;
 use moulage::Run;
 use moulage::math::Vec3;
 use moulage::register::bone_scales::ScaleFreedom;
+use moulage::register::options::{Levels, Schedule};
 use moulage::register::rotation::turned_about;
 use moulage::register::{Options, Registered, Skeleton, Target, register};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
@@ -57,14 +58,21 @@ fn errors(found: &Registered, truth: &Skeleton) -> [f64; 3] {
 fn configurations() -> Vec<(&'static str, Options)> {
     // As in the paper, the template starts near the target; sampled clusters and pairs save time.
     let near = || Options { align: false, max_iterations: 12, ..Options::default() };
+    // The paper's clusters, mm.
     let published = || Options {
+        levels: Levels::Radii(vec![f64::INFINITY, 30.0, 15.0, 6.0]),
         clustering: near().clustering,
         pair_spacing: near().pair_spacing,
         align: false,
         max_iterations: 12,
         ..Options::published()
     };
-    let bare = |o: Options| Options { use_joints: false, scale_freedom: ScaleFreedom::Fixed, ..o };
+    let bare = |o: Options| Options {
+        use_joints: false,
+        scale_freedom: ScaleFreedom::Fixed,
+        schedule: Schedule::Never,
+        ..o
+    };
     vec![
         ("clusters across bones only", bare(published())),
         ("bones apart", bare(Options { separate_bones: true, ..published() })),

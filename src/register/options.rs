@@ -34,6 +34,8 @@ pub enum Schedule {
     EveryIteration,
     /// When the elastic iterations have come to rest, as published.
     AfterElastic,
+    /// Never: clusters alone shape and pose the bones (an ablation; it glues them at their joints).
+    Never,
 }
 
 /// All settings of [`super::registration::register`].

@@ -168,7 +168,11 @@ impl Registration {
                 pairs.slide_on(drift, self.options.momentum);
             }
             let masses = self.masses(&pairs);
-            let update = self.options.schedule == Schedule::EveryIteration || elastic_left == 0;
+            let update = match self.options.schedule {
+                Schedule::EveryIteration => true,
+                Schedule::AfterElastic => elastic_left == 0,
+                Schedule::Never => false,
+            };
             if update {
                 self.update_reference(level, state, &pairs.wanted, &masses);
                 trace.updates += 1;
@@ -194,6 +198,9 @@ impl Registration {
                 (true, true) => break,
                 (true, false) => elastic_left = 0,
                 (false, _) => elastic_left = elastic_left.saturating_sub(1),
+            }
+            if self.options.schedule == Schedule::Never && elastic_left == 0 {
+                break;
             }
         }
         trace.seconds = started.elapsed().as_secs_f64();
