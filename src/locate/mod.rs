@@ -5,6 +5,7 @@ mod closest;
 mod crossing;
 mod embed;
 mod nearest_points;
+mod solid;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 mod triangle;
@@ -14,5 +15,6 @@ pub use closest::{ClosestPoints, SurfacePoint};
 pub use crossing::{crossing_triangles, triangles_cross};
 pub use embed::{Embedding, tet_weights};
 pub use nearest_points::NearestPoints;
+pub use solid::Solid;
 pub use triangle::closest_on_triangle;
 pub use winding::{WindingNumber, winding_number};

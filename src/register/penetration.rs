@@ -3,9 +3,7 @@
 use rayon::prelude::*;
 
 use super::skeleton::Skeleton;
-use crate::locate::{ClosestPoints, WindingNumber};
-use crate::math::Vec3;
-use crate::mesh::bounding_box;
+use crate::locate::Solid;
 
 /// The deepest place of a bone inside another one.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,57 +14,32 @@ pub(super) struct Penetration {
     pub(super) into: usize,
 }
 
-struct Solid {
-    low: Vec3,
-    high: Vec3,
-    winding: WindingNumber,
-    closest: ClosestPoints,
-}
-
 /// For every bone where one of its vertices lies deepest inside another bone, if any does.
 pub(super) fn penetrations(skeleton: &Skeleton) -> Vec<Option<Penetration>> {
-    let solids: Vec<Option<Solid>> =
-        (0..skeleton.bones.len()).into_par_iter().map(|b| Solid::new(skeleton, b)).collect();
+    let bones = 0..skeleton.bones.len();
+    let solid = |b| {
+        let surface = skeleton.bone_surface(b, &skeleton.points);
+        Solid::new(&surface.points, &surface.triangles)
+    };
+    let solids: Vec<Solid> = bones.clone().into_par_iter().map(solid).collect();
     let deepest = |b: usize| {
         let points = &skeleton.points[skeleton.bones[b].vertices.clone()];
-        let (low, high) = bounding_box(points)?;
-        let others = solids.iter().enumerate().filter(|(other, _)| *other != b);
-        others
-            .filter_map(|(other, solid)| Some((other, solid.as_ref()?)))
-            .filter(|(_, solid)| (0..3).all(|k| solid.low[k] <= high[k] && low[k] <= solid.high[k]))
-            .map(|(into, solid)| Penetration { depth: solid.depth(points), into })
+        let near = |other: &usize| *other != b && solids[*other].boxes_meet(&solids[b], 0.0);
+        let depth = |other: usize| solids[other].depths(points).into_iter().fold(0.0, f64::max);
+        bones
+            .clone()
+            .filter(near)
+            .map(|into| Penetration { depth: depth(into), into })
             .filter(|p| p.depth > 0.0)
             .max_by(|p, q| p.depth.total_cmp(&q.depth))
     };
-    (0..skeleton.bones.len()).into_par_iter().map(deepest).collect()
-}
-
-impl Solid {
-    fn new(skeleton: &Skeleton, b: usize) -> Option<Self> {
-        let surface = skeleton.bone_surface(b, &skeleton.points);
-        let (low, high) = bounding_box(&surface.points)?;
-        Some(Self {
-            low,
-            high,
-            winding: WindingNumber::new(&surface.points, &surface.triangles),
-            closest: ClosestPoints::new(&surface.points, &surface.triangles),
-        })
-    }
-
-    /// Depth of the deepest of `points`; 0 when none is inside.
-    fn depth(&self, points: &[Vec3]) -> f64 {
-        points
-            .iter()
-            .filter(|p| (0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]))
-            .filter(|p| self.winding.is_inside(p))
-            .filter_map(|p| self.closest.closest(p).map(|found| found.distance))
-            .fold(0.0, f64::max)
-    }
+    bones.clone().into_par_iter().map(deepest).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
     use crate::register::skeleton::tests::block;
 
     #[test]

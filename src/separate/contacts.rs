@@ -103,7 +103,7 @@ impl Detector<'_> {
         let inside: Vec<bool> = (0..skin.points.len())
             .into_par_iter()
             .with_min_len(64)
-            .map(|v| first_triangle[v] != u32::MAX && holds(other, &skin.points[v]))
+            .map(|v| first_triangle[v] != u32::MAX && other.solid.holds(&skin.points[v]))
             .collect();
         let ways = ways_out(skin, other, &inside, &self.graphs[s]);
         let hits: Vec<_> = (0..skin.points.len())
@@ -136,16 +136,16 @@ impl Detector<'_> {
         other: &Skin,
         way: Option<&Vec3>,
     ) -> Option<(u32, [f64; 3], Vec3, f64)> {
-        if !other.box_holds(p, self.margin) {
+        if !other.solid.box_holds(p, self.margin) {
             return None;
         }
         let is_inside = way.is_some();
         let hit = match way {
             Some(way) => {
-                let facing = other.closest.closest_against(p, &-way);
-                facing.or_else(|| other.closest.closest(p))?
+                let facing = other.solid.closest.closest_against(p, &-way);
+                facing.or_else(|| other.solid.closest.closest(p))?
             }
-            None => other.closest.closest_within(p, self.margin)?,
+            None => other.solid.closest.closest_within(p, self.margin)?,
         };
         let outwards = if is_inside { hit.position - p } else { p - hit.position };
         // On the surface itself the direction is lost to rounding.
@@ -215,10 +215,6 @@ impl Detector<'_> {
             found.seeds[b].extend(corners.iter().flat_map(|&v| embedding.vertices[v as usize]));
         }
     }
-}
-
-fn holds(skin: &Skin, p: &Vec3) -> bool {
-    skin.box_holds(p, 0.0) && skin.winding.is_inside(p)
 }
 
 /// A triangle of each vertex; `u32::MAX` without one.

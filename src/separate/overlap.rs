@@ -48,12 +48,7 @@ pub(super) fn crossings(first: &Skin, second: &Skin) -> Vec<(u32, u32)> {
 /// Vertices of `first` inside `second`, and the depth of the deepest. A connected piece that crosses
 /// nothing lies inside as a whole or not at all, so that one vertex of each piece is asked exactly.
 fn inside(first: &Skin, second: &Skin) -> (usize, f64) {
-    let deep: Vec<f64> = first
-        .points
-        .iter()
-        .filter(|p| second.box_holds(p, 0.0) && second.winding.is_inside(p))
-        .filter_map(|p| second.closest.closest(p).map(|found| found.distance))
-        .collect();
+    let deep = second.solid.depths(&first.points);
     if !deep.is_empty() {
         return (deep.len(), deep.iter().copied().fold(0.0, f64::max));
     }
@@ -61,7 +56,8 @@ fn inside(first: &Skin, second: &Skin) -> (usize, f64) {
     let mut seen = BTreeSet::new();
     let firsts = (0..pieces.len()).filter(|&t| seen.insert(pieces[t]));
     let hidden = firsts.map(|t| first.points[first.triangles[t][0] as usize]).filter(|p| {
-        second.box_holds(p, 0.0) && winding_number(&second.points, second.triangles, p).abs() > 0.5
+        second.solid.box_holds(p, 0.0)
+            && winding_number(&second.points, second.triangles, p).abs() > 0.5
     });
     (hidden.count(), 0.0)
 }

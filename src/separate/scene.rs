@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::fem::MaterialPoint;
-use crate::locate::{ClosestPoints, Embedding, WindingNumber};
+use crate::locate::{Embedding, Solid};
 use crate::math::Vec3;
-use crate::mesh::{TetMesh, TriMesh, boundary_triangles, bounding_box};
+use crate::mesh::{TetMesh, TriMesh, boundary_triangles};
 
 /// A soft body in its present shape.
 #[derive(Clone, Debug)]
@@ -76,25 +76,12 @@ pub(super) struct Skin<'a> {
     pub triangles: &'a [[u32; 3]],
     /// The body that it belongs to; None for an obstacle.
     pub body: Option<usize>,
-    pub low: Vec3,
-    pub high: Vec3,
-    pub closest: ClosestPoints,
-    pub winding: WindingNumber,
+    pub solid: Solid,
 }
 
 impl<'a> Skin<'a> {
     pub fn new(points: Vec<Vec3>, triangles: &'a [[u32; 3]], body: Option<usize>) -> Self {
-        let mesh = TriMesh { points, triangles: triangles.to_vec() };
-        let (low, high) = bounding_box(&mesh.points).unwrap_or_default();
-        Self {
-            low,
-            high,
-            body,
-            closest: ClosestPoints::new(&mesh.points, triangles),
-            winding: WindingNumber::new(&mesh.points, triangles),
-            points: mesh.points,
-            triangles,
-        }
+        Self { solid: Solid::new(&points, triangles), points, triangles, body }
     }
 
     /// All surfaces, the bodies' tets being at `points`.
@@ -109,15 +96,7 @@ impl<'a> Skin<'a> {
 
     /// Whether the boxes around two surfaces come within `margin`; obstacles do not meet.
     pub fn may_meet(&self, other: &Self, margin: f64) -> bool {
-        (self.body.is_some() || other.body.is_some())
-            && (0..3).all(|k| {
-                self.low[k] <= other.high[k] + margin && other.low[k] <= self.high[k] + margin
-            })
-    }
-
-    /// Whether a point lies within `margin` of the box.
-    pub fn box_holds(&self, p: &Vec3, margin: f64) -> bool {
-        (0..3).all(|k| self.low[k] - margin <= p[k] && p[k] <= self.high[k] + margin)
+        (self.body.is_some() || other.body.is_some()) && self.solid.boxes_meet(&other.solid, margin)
     }
 
     pub fn corners(&self, t: u32) -> [Vec3; 3] {

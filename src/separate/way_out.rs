@@ -52,11 +52,11 @@ pub(super) fn ways_out(skin: &Skin, other: &Skin, inside: &[bool], graph: &Lists
 /// how near that is to `inner`.
 fn rim_normal(skin: &Skin, other: &Skin, inner: usize, outer: usize) -> Option<Vec3> {
     let (p, q) = (skin.points[inner], skin.points[outer]);
-    let distance = |x: &Vec3| other.closest.closest(x).map(|hit| hit.distance);
+    let distance = |x: &Vec3| other.solid.closest.closest(x).map(|hit| hit.distance);
     let (below, above) = (distance(&p)?, distance(&q)?);
     let share = below / (below + above).max(f64::MIN_POSITIVE);
     let passage = p + (q - p) * share;
-    let hit = other.closest.closest(&passage)?;
+    let hit = other.solid.closest.closest(&passage)?;
     let weight = 1.0 / (passage - p).norm_squared().max(1e-6 * (q - p).norm_squared());
     Some(other.normal(hit.triangle) * weight)
 }
@@ -76,14 +76,14 @@ mod tests {
             finger.iter().map(|p| Vec3::new(0.3 * p.x, 0.3 * p.y, 1.2 * p.z + 0.8)).collect();
         let ball = Skin::new(ball, &triangles, None);
         let finger = Skin::new(finger, &finger_triangles, None);
-        let inside: Vec<bool> = finger.points.iter().map(|p| ball.winding.is_inside(p)).collect();
+        let inside: Vec<bool> = finger.points.iter().map(|p| ball.solid.holds(p)).collect();
         let graph = vertex_neighbours(finger.points.len(), &finger_triangles);
         let ways = ways_out(&finger, &ball, &inside, &graph);
         let tip = (0..finger.points.len())
             .min_by(|&a, &b| finger.points[a].z.total_cmp(&finger.points[b].z));
         let tip = tip.unwrap();
         assert!(inside[tip] && finger.points[tip].z < -0.3);
-        assert!(ball.closest.closest(&finger.points[tip]).unwrap().position.z < 0.0);
+        assert!(ball.solid.closest.closest(&finger.points[tip]).unwrap().position.z < 0.0);
         assert!(ways[tip].z > 0.9, "{}", ways[tip]);
         assert!(inside.iter().zip(&ways).all(|(&i, w)| i == (w.norm() > 0.5)));
     }
