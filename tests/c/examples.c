@@ -1,17 +1,6 @@
 /* Does from C what the command line does with the examples, and writes the same files.
  *   examples EXAMPLES OUT */
-#include <stdio.h>
-#include <stdlib.h>
-
-#include "moulage.h"
-
-static MlgError error;
-
-static void check(MlgStatus status) {
-    if (status == MLG_STATUS_OK) return;
-    fprintf(stderr, "%s: %s\n", mlg_status_name(status), error.message);
-    exit(1);
-}
+#include "answers.h"
 
 static const char *in(const char *folder, const char *name) {
     static char path[4][500];

@@ -1,16 +1,8 @@
 /* Images: one written here, read back, cut, outlined and marked; and what a caller can do wrong. */
+#include "answers.h"
 #include "shapes.h"
 
 enum { SIDE = 24 };
-static MlgError error;
-
-static void expect(MlgStatus got, MlgStatus wanted, const char *words) {
-    if (got != wanted || error.status != wanted || strstr(error.message, words) == NULL) {
-        fprintf(stderr, "got %s (%s), wanted %s with '%s'\n", mlg_status_name((uint32_t)got),
-                error.message, mlg_status_name((uint32_t)wanted), words);
-        exit(1);
-    }
-}
 
 /* A ball of radius 16 mm around (-2, -4, 6) RAS with value 3, in voxels of 2 mm. MetaImage is LPS. */
 static void write_ball(const char *path) {

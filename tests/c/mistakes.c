@@ -1,15 +1,6 @@
 /* Everything a caller can do wrong gives a status and a sentence, never a crash. */
+#include "answers.h"
 #include "shapes.h"
-
-static MlgError error;
-
-static void expect(MlgStatus got, MlgStatus wanted, const char *words) {
-    if (got != wanted || error.status != wanted || strstr(error.message, words) == NULL) {
-        fprintf(stderr, "got %s (%s), wanted %s with '%s'\n", mlg_status_name((uint32_t)got),
-                error.message, mlg_status_name((uint32_t)wanted), words);
-        exit(1);
-    }
-}
 
 static void meshes(void) {
     const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};

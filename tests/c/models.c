@@ -1,22 +1,7 @@
 /* Shape models: learnt from skeletons, saved and read, shapes made from them, a person registered.
  *   models FOLDER */
+#include "answers.h"
 #include "shapes.h"
-
-static MlgError error;
-
-static void expect(MlgStatus got, MlgStatus wanted, const char *words) {
-    if (got != wanted || error.status != wanted || strstr(error.message, words) == NULL) {
-        fprintf(stderr, "got %s (%s), wanted %s with '%s'\n", mlg_status_name((uint32_t)got),
-                error.message, mlg_status_name((uint32_t)wanted), words);
-        exit(1);
-    }
-}
-
-static void check(MlgStatus status) {
-    if (status == MLG_STATUS_OK) return;
-    fprintf(stderr, "%s: %s\n", mlg_status_name((uint32_t)status), error.message);
-    exit(1);
-}
 
 #define PERSONS 5
 /* Two causes: all bones grow in length (x), or in width (y). */

@@ -1,22 +1,7 @@
 /* Motions of a skeleton from arrays and files, and persons written into OpenSim models.
  *   motions EXAMPLES OUT */
+#include "answers.h"
 #include "shapes.h"
-
-static MlgError error;
-
-static void expect(MlgStatus got, MlgStatus wanted, const char *words) {
-    if (got != wanted || error.status != wanted || strstr(error.message, words) == NULL) {
-        fprintf(stderr, "got %s (%s), wanted %s with '%s'\n", mlg_status_name((uint32_t)got),
-                error.message, mlg_status_name((uint32_t)wanted), words);
-        exit(1);
-    }
-}
-
-static void check(MlgStatus status) {
-    if (status == MLG_STATUS_OK) return;
-    fprintf(stderr, "%s: %s\n", mlg_status_name((uint32_t)status), error.message);
-    exit(1);
-}
 
 static const char *in(const char *folder, const char *name) {
     static char path[4][500];

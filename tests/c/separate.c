@@ -2,23 +2,8 @@
  *   separate FOLDER            all of it; leaves left and right there, .vtu and .obj
  *   separate FOLDER quick      the same with few tets, for sanitizers
  *   separate FOLDER APART      what the command line made of the two, compared bit by bit */
+#include "answers.h"
 #include "shapes.h"
-
-static MlgError error;
-
-static void expect(MlgStatus got, MlgStatus wanted, const char *words) {
-    if (got != wanted || error.status != wanted || strstr(error.message, words) == NULL) {
-        fprintf(stderr, "got %s (%s), wanted %s with '%s'\n", mlg_status_name((uint32_t)got),
-                error.message, mlg_status_name((uint32_t)wanted), words);
-        exit(1);
-    }
-}
-
-static void check(MlgStatus status) {
-    if (status == MLG_STATUS_OK) return;
-    fprintf(stderr, "%s: %s\n", mlg_status_name((uint32_t)status), error.message);
-    exit(1);
-}
 
 typedef struct {
     MlgTriMesh *surface;
