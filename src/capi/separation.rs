@@ -205,13 +205,8 @@ pub unsafe extern "C" fn mlg_separation_set_markers(
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, count, "points")? };
         let mut scene = problem.lock();
-        let count = scene.bodies.len();
-        let body = scene.bodies.get_mut(body).ok_or_else(|| {
-            Failure::invalid(format!(
-                "body {body} does not exist: there are {count} (numbered from 0)"
-            ))
-        })?;
-        body.markers = points;
+        buffers::entry(&scene.bodies, body, "body")?;
+        scene.bodies[body].markers = points;
         Ok(())
     })
 }
