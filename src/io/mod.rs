@@ -21,6 +21,7 @@ pub mod gltf;
 mod gmsh;
 pub mod h5_json;
 mod markers;
+pub mod markup;
 mod markups;
 mod meta_image;
 pub mod mot;

@@ -8,6 +8,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
+use super::markup::escaped;
 use super::osim::{child_text, last_name, parent_named, three};
 use crate::error::{Error, Result};
 
@@ -113,10 +114,6 @@ fn orientation(frame: &Isometry3<f64>) -> String {
 
 fn numbers(values: &[f64; 3]) -> String {
     values.map(|x| format!("{x:?}")).join(" ")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Sets the text of a child element, which is made where it is missing.

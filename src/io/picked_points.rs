@@ -5,6 +5,7 @@ use std::path::Path;
 use roxmltree::{Document, ParsingOptions};
 
 use super::markers::Marker;
+use super::markup::escaped;
 use super::text::{Place, decode};
 use super::write_beside;
 use crate::error::{Error, Result};
@@ -42,7 +43,7 @@ pub fn write_picked_points(path: &Path, markers: &[Marker]) -> Result<()> {
     write_beside(path, |out| {
         writeln!(out, "<!DOCTYPE PickedPoints>\n<PickedPoints>\n <DocumentData/>")?;
         for (m, marker) in markers.iter().enumerate() {
-            let name = marker.label.as_deref().map_or_else(|| m.to_string(), escape);
+            let name = marker.label.as_deref().map_or_else(|| m.to_string(), escaped);
             let p = marker.position;
             writeln!(
                 out,
@@ -52,10 +53,6 @@ pub fn write_picked_points(path: &Path, markers: &[Marker]) -> Result<()> {
         }
         writeln!(out, "</PickedPoints>")
     })
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::output::stem;
 use super::report::picture::{Colour, View, draw};
 use super::statistics::ShapeStatistics;
 use crate::error::{Error, Result};
+use crate::io::markup::escaped;
 use crate::io::{SurfaceFile, read_surface, write_beside};
 use crate::mesh::TriMesh;
 
@@ -166,7 +167,7 @@ fn page(cases: &[Case], groups: &[Group]) -> String {
     }
     html.push_str("<th class=n>s<th>what to know</tr>\n");
     for Case { record, kept } in cases {
-        let name = escape(&record.name);
+        let name = escaped(&record.name);
         let link = if record.status == Status::Failed {
             name
         } else {
@@ -179,8 +180,12 @@ fn page(cases: &[Case], groups: &[Group]) -> String {
             let value = record.figures.get(*figure);
             let _ = write!(html, "<td class=n>{}", value.map_or_else(String::new, number));
         }
-        let _ =
-            writeln!(html, "<td class=n>{:.1}<td>{}</tr>", record.seconds, escape(&record.message));
+        let _ = writeln!(
+            html,
+            "<td class=n>{:.1}<td>{}</tr>",
+            record.seconds,
+            escaped(&record.message)
+        );
     }
     html.push_str("</table>\n");
     for group in groups {
@@ -196,7 +201,7 @@ fn page(cases: &[Case], groups: &[Group]) -> String {
 
 fn statistics(group: &Group) -> String {
     let found = &group.found;
-    let name = escape(&group.name);
+    let name = escaped(&group.name);
     let mut html = format!(
         "<h2>{name} over {} cases</h2>\n<p>Mean shape and the first modes at {DEVIATIONS} standard deviations, rotation and shift \
          removed. Files: statistics/{name}/.</p>\n",
@@ -222,10 +227,6 @@ fn statistics(group: &Group) -> String {
         );
     }
     html
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Counts without decimals.

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::register_job::{RegisterJob, SkeletonFiles};
 use super::report::picture::{Colour, View, draw};
 use crate::error::{Error, Result};
+use crate::io::markup::escaped;
 use crate::io::write_beside;
 use crate::mesh::TriMesh;
 use crate::register::summary::{BoneSummary, JointSummary, LevelTrace};
@@ -210,8 +211,4 @@ fn picture(skeleton: &Skeleton, view: View) -> Vec<u8> {
         bone_of.iter().map(|&b| PALETTE[b as usize % PALETTE.len()]).collect();
     let mesh = TriMesh { points: skeleton.points.clone(), triangles: skeleton.triangles.clone() };
     draw(&mesh, &colours, &[], &mesh.points, view)
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -7,6 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::picture::{Colour, Dot, View, draw};
 use super::{Change, Ending, PairLine, Report, Shapes, plots};
+use crate::io::markup::escaped;
 use crate::job::measure::Spread;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -28,7 +29,7 @@ font-variant-numeric:tabular-nums}.row{display:flex;flex-wrap:wrap;gap:1rem}figu
 pub fn page(report: &Report, shapes: &Shapes) -> String {
     let mut page = String::new();
     let name = report.template.file_name().unwrap_or(report.template.as_os_str());
-    let name = escape(&name.to_string_lossy());
+    let name = escaped(&name.to_string_lossy());
     let (class, ending) = match report.ending {
         Ending::Good => ("good", "Done"),
         Ending::GaveUp => ("bad", "The solver gave up; this is its best shape"),
@@ -39,7 +40,7 @@ pub fn page(report: &Report, shapes: &Shapes) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width\"><title>moulage: {name}</title>\
          <style>{STYLE}</style></head><body>\n<h1>{name}</h1>\n<p class=\"{class}\"><b>{ending}.</b> {}</p>\n",
-        escape(&report.why)
+        escaped(&report.why)
     ));
     add(&warnings(&report.warnings));
     add(&figures(report));
@@ -72,7 +73,7 @@ fn warnings(list: &[String]) -> String {
     }
     let mut items = String::new();
     for warning in list {
-        let _ = write!(items, "<li>{}</li>", escape(warning));
+        let _ = write!(items, "<li>{}</li>", escaped(warning));
     }
     format!("<ul class=\"w\">{items}</ul>\n")
 }
@@ -81,7 +82,7 @@ fn warnings(list: &[String]) -> String {
 fn figures(report: &Report) -> String {
     let mut rows = String::new();
     let mut row = |name: &str, value: String| {
-        let _ = write!(rows, "<tr><td>{name}</td><td>{}</td></tr>", escape(&value));
+        let _ = write!(rows, "<tr><td>{name}</td><td>{}</td></tr>", escaped(&value));
     };
     let change = |c: &Change<Spread>| {
         format!(
@@ -182,7 +183,7 @@ fn slices(report: &Report) -> String {
     let mut text = String::from("<h2>On the image</h2>\n<div class=\"slices\">");
     for slice in &report.slices {
         let image = STANDARD.encode(&slice.png);
-        let caption = escape(&slice.caption);
+        let caption = escaped(&slice.caption);
         text.push_str(&figure(
             &format!("<img alt=\"{caption}\" src=\"data:image/png;base64,{image}\">"),
             &caption,
@@ -228,7 +229,7 @@ fn pairs(title: &str, list: &[PairLine]) -> String {
         let _ = write!(
             text,
             "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{suspect}</td></tr>",
-            escape(&pair.label),
+            escaped(&pair.label),
             number(pair.before),
             number(pair.after)
         );
@@ -253,10 +254,6 @@ fn number(value: f64) -> String {
     }
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -265,6 +262,5 @@ mod tests {
     fn numbers_keep_three_digits() {
         let written: Vec<String> = [0.0, 12.3456, 0.080_48, 0.001_234_5, 1.2e-7].map(number).into();
         assert_eq!(written, ["0.000", "12.346", "0.0805", "0.00123", "1.20e-7"]);
-        assert_eq!(escape("a<b&c"), "a&lt;b&amp;c");
     }
 }
