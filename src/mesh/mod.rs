@@ -1,6 +1,7 @@
 //! Triangle and tet meshes: data, adjacency, quality.
 
 pub mod adjacency;
+pub mod normals;
 pub mod quality;
 pub mod section;
 pub mod surface;

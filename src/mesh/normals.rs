@@ -1,11 +1,11 @@
-//! Normals of triangles and vertices, made anew in every iteration.
+//! Normals of triangles and vertices.
 
 use rayon::prelude::*;
 
 use crate::math::Vec3;
 
 /// Twice the area of each triangle along its normal.
-pub(super) fn area_vectors(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+pub fn area_vectors(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let of = |&[a, b, c]: &[u32; 3]| {
         let a = points[a as usize];
         (points[b as usize] - a).cross(&(points[c as usize] - a))
@@ -13,17 +13,8 @@ pub(super) fn area_vectors(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3>
     triangles.par_iter().with_min_len(1024).map(of).collect()
 }
 
-/// Unit normals of triangles; zero where a triangle has no area.
-pub(super) fn face_normals(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    area_vectors(points, triangles).iter().map(unit_or_zero).collect()
-}
-
 /// Unit vertex normals: the sum of the area vectors around each of `count` vertices.
-pub(super) fn vertex_normals(
-    count: usize,
-    triangles: &[[u32; 3]],
-    area_vectors: &[Vec3],
-) -> Vec<Vec3> {
+pub fn vertex_normals(count: usize, triangles: &[[u32; 3]], area_vectors: &[Vec3]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::zeros(); count];
     for (&[a, b, c], area) in triangles.iter().zip(area_vectors) {
         sums[a as usize] += area;
@@ -34,6 +25,6 @@ pub(super) fn vertex_normals(
 }
 
 /// A direction; zero for a vector without length.
-pub(super) fn unit_or_zero(v: &Vec3) -> Vec3 {
+pub fn unit_or_zero(v: &Vec3) -> Vec3 {
     v.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
 }

@@ -1,5 +1,6 @@
 //! A triangle mesh: points and index triples.
 
+use super::normals::{area_vectors, vertex_normals};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
@@ -50,18 +51,8 @@ impl TriMesh {
 
     /// Area-weighted vertex normals, unit length (zero where no face has an area).
     pub fn vertex_normals(&self) -> Vec<Vec3> {
-        let mut normals = vec![Vec3::zeros(); self.points.len()];
-        for (t, triangle) in self.triangles.iter().enumerate() {
-            let [a, b, c] = self.corners(t);
-            let area_normal = (b - a).cross(&(c - a));
-            for &v in triangle {
-                normals[v as usize] += area_normal;
-            }
-        }
-        for normal in &mut normals {
-            *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
-        }
-        normals
+        let areas = area_vectors(&self.points, &self.triangles);
+        vertex_normals(self.points.len(), &self.triangles, &areas)
     }
 }
 

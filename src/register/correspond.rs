@@ -9,12 +9,12 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::image::ImageTarget;
-use super::normals::{area_vectors, unit_or_zero, vertex_normals};
 use super::samples::Samples;
 use super::skeleton::Skeleton;
 use super::target::{SearchedSurface, Target};
 use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::Vec3;
+use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 
 /// How pairs are judged.
 #[derive(Clone, Copy, Debug, PartialEq)]

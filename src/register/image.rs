@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use super::normals::{area_vectors, vertex_normals};
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::mesh::normals::{area_vectors, vertex_normals};
 use crate::volume::{Match, Moments, Profiles, Volume};
 
 /// Profiles reach so many smallest voxel sizes to each side of the surface.

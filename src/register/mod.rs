@@ -19,7 +19,6 @@ pub mod joint_frames;
 pub mod joint_limits;
 mod levels;
 mod neighbours;
-mod normals;
 pub mod options;
 mod penetration;
 pub mod pose;

@@ -7,7 +7,6 @@
 use nalgebra::{Isometry3, SymmetricEigen, Translation3, UnitQuaternion};
 use rayon::prelude::*;
 
-use super::normals::{area_vectors, unit_or_zero, vertex_normals};
 use super::pose::{BoneMoments, moved};
 use super::rotation::{PairSums, best_rotation};
 use super::samples::Samples;
@@ -15,6 +14,7 @@ use super::skeleton::Skeleton;
 use super::target::{SearchedSurface, Target};
 use crate::locate::ClosestPoints;
 use crate::math::{Mat3, Vec3};
+use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 
 /// Vertices of each side at most, about.
 const SAMPLE_COUNT: f64 = 350.0;

@@ -2,12 +2,12 @@
 
 use super::areas::vertex_areas;
 use super::image::{Appearance, ImageTarget};
-use super::normals::face_normals;
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
+use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 use crate::volume::Volume;
 
 /// A surface with what the search for closest points needs.
@@ -22,11 +22,12 @@ pub(super) struct SearchedSurface {
 
 impl SearchedSurface {
     fn new(mesh: TriMesh) -> Self {
+        let faces = area_vectors(&mesh.points, &mesh.triangles);
         Self {
             search: ClosestPoints::new(&mesh.points, &mesh.triangles),
             areas: vertex_areas(&mesh.points, &mesh.triangles),
-            vertex_normals: mesh.vertex_normals(),
-            face_normals: face_normals(&mesh.points, &mesh.triangles),
+            vertex_normals: vertex_normals(mesh.points.len(), &mesh.triangles, &faces),
+            face_normals: faces.iter().map(unit_or_zero).collect(),
             mesh,
         }
     }
