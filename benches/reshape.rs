@@ -255,13 +255,11 @@ fn direction(tets: usize, marker_count: usize, rate: f64) {
     let factoring = fastest(|| factor = body.factor_stiffness(&x, &plastic).ok()) - stiffness;
     let factor = factor.expect("definite at rest");
     let sensitivity = Sensitivity::new(&body, &space, &x, &plastic);
-    let center = x.iter().sum::<Vec3>() / x.len() as f64;
-    let at =
-        Linearization { body: &body, stiffness: &factor, sensitivity: &sensitivity, x: &x, center };
+    let at = Linearization::new(&body, &factor, &sensitivity, &x);
     let mut equations = None;
     let system = fastest(|| equations = Some(NormalEquations::new(&at, &rows, None, &smoothness)));
     let equations = equations.expect("made above");
-    let solving = fastest(|| drop(equations.direction(&s, &s, 0.0)));
+    let solving = fastest(|| drop(equations.direction(&s, &s, 0.0, 0.03)));
     let (q, n) = (rows.rows.len() as f64, x.len() as f64);
     let fill = body.factor_fill() as f64;
     let pairs: f64 = sensitivity.blocks() as f64;

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::element::{Curvature, RestElement};
+use super::element::{Curvature, RestElement, Stiffness};
 use super::plastic::PlasticState;
 use super::rigid_modes::isostatic_gauge;
 use crate::error::Result;
 use crate::material::IsotropicDensity;
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
-use crate::solve::{BlockMatrix, BlockPattern, Factor, SymbolicFactor};
+use crate::solve::{BlockMatrix, BlockPattern, Factor, Memory, SymbolicFactor};
 
 /// A point of the body: an affine combination of vertices.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +52,8 @@ pub struct Body<M> {
     pattern: BlockPattern,
     symbolic: Arc<SymbolicFactor>,
     incident: Vec<Vec<(u32, u8)>>,
+    /// For the elements' stiffness matrices.
+    elements: Memory<Stiffness>,
 }
 
 impl<M: IsotropicDensity> Body<M> {
@@ -67,7 +69,8 @@ impl<M: IsotropicDensity> Body<M> {
                 incident[v as usize].push((t as u32, a as u8));
             }
         }
-        Ok(Self { mesh, rest, material, springs, gauge, pattern, symbolic, incident })
+        let elements = Memory::default();
+        Ok(Self { mesh, rest, material, springs, gauge, pattern, symbolic, incident, elements })
     }
 
     /// Whether no spring holds the body, so that it may move rigidly.
@@ -135,13 +138,13 @@ impl<M: IsotropicDensity> Body<M> {
         plastic: &[PlasticState],
         curvature: Curvature,
     ) -> BlockMatrix {
-        let parts: Vec<_> = (0..self.rest.len())
-            .into_par_iter()
-            .map(|t| {
-                self.rest[t].stiffness(&self.corners(x, t), &plastic[t], &self.material, curvature)
-            })
-            .collect();
+        let mut parts = self.elements.take(self.rest.len());
+        let part = |t: usize| {
+            self.rest[t].stiffness(&self.corners(x, t), &plastic[t], &self.material, curvature)
+        };
+        (0..self.rest.len()).into_par_iter().map(part).collect_into_vec(&mut parts);
         let mut k = self.pattern.assemble(|t, a, b, r, c| parts[t][(3 * a + r, 3 * b + c)]);
+        self.elements.give(parts);
         for spring in &self.springs {
             self.add_spring(&mut k, spring);
         }

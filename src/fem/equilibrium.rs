@@ -8,7 +8,7 @@ use super::plastic::PlasticState;
 use crate::error::Result;
 use crate::material::IsotropicDensity;
 use crate::math::Vec3;
-use crate::solve::Factor;
+use crate::solve::{Factor, RoundedFactor};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ impl<M: IsotropicDensity> Body<M> {
         x: Vec<Vec3>,
         plastic: &[PlasticState],
         options: &EquilibriumOptions,
-        near: &Factor,
+        near: &RoundedFactor<f32>,
         hopeless: &dyn Fn(&[Vec3]) -> bool,
     ) -> Result<Equilibrium> {
         self.newton(x, plastic, options, Some(near), hopeless)
@@ -79,7 +79,7 @@ impl<M: IsotropicDensity> Body<M> {
         mut x: Vec<Vec3>,
         plastic: &[PlasticState],
         options: &EquilibriumOptions,
-        near: Option<&Factor>,
+        near: Option<&RoundedFactor<f32>>,
         hopeless: &dyn Fn(&[Vec3]) -> bool,
     ) -> Result<Equilibrium> {
         let mut energy = self.energy(&x, plastic);
@@ -113,7 +113,7 @@ impl<M: IsotropicDensity> Body<M> {
         x: &[Vec3],
         plastic: &[PlasticState],
         gradient: &[Vec3],
-        near: Option<&Factor>,
+        near: Option<&RoundedFactor<f32>>,
     ) -> Result<Vec<Vec3>> {
         if let Some(near) = near {
             let k = self.stiffness(x, plastic, Curvature::True);
@@ -167,15 +167,19 @@ fn largest(g: &[Vec3]) -> f64 {
 /// which still goes downhill; `None` when it takes too many steps.
 fn conjugate_gradients(
     multiply: impl Fn(&[f64]) -> Vec<f64>,
-    preconditioner: &Factor,
+    preconditioner: &RoundedFactor<f32>,
     b: &[f64],
 ) -> Option<Vec<f64>> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let precondition = |r: &[f64]| {
+        let mut z: Vec<f32> = r.iter().map(|&r| r as f32).collect();
+        preconditioner.solve_rows(&mut z, 1);
+        z.into_iter().map(f64::from).collect::<Vec<f64>>()
+    };
     let (mut x, mut r) = (vec![0.0; b.len()], b.to_vec());
-    let mut z = r.clone();
-    preconditioner.solve(&mut z);
-    let mut p = z.clone();
+    let z = precondition(&r);
     let mut rz = dot(&r, &z);
+    let mut p = z;
     let goal = CG_REDUCTION * CG_REDUCTION * rz;
     for step in 0..CG_STEPS {
         let ap = multiply(&p);
@@ -186,8 +190,7 @@ fn conjugate_gradients(
         let alpha = rz / curvature;
         x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
         r.iter_mut().zip(&ap).for_each(|(r, ap)| *r -= alpha * ap);
-        z.copy_from_slice(&r);
-        preconditioner.solve(&mut z);
+        let z = precondition(&r);
         let next = dot(&r, &z);
         if next <= goal {
             return Some(x);

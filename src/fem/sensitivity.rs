@@ -9,16 +9,17 @@ use super::element::StrainSensitivity;
 use super::plastic::{Carrier, PlasticState, StrainSpace};
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
+use crate::solve::Real;
 
 /// Columns that are computed together.
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// G transposed: a row of 6 per carrier, 6 x 3 blocks, one per coupled vertex.
-pub struct Sensitivity {
+pub struct Sensitivity<T = f64> {
     row_ptr: Vec<usize>,
     vertex: Vec<u32>,
     /// Row-major 6 x 3.
-    blocks: Vec<[f64; 18]>,
+    blocks: Vec<[T; 18]>,
     vertices: usize,
 }
 
@@ -66,9 +67,33 @@ impl Sensitivity {
         self.blocks.len()
     }
 
+    /// A copy with rounded values.
+    pub fn rounded<T: Real>(&self) -> Sensitivity<T> {
+        Sensitivity {
+            row_ptr: self.row_ptr.clone(),
+            vertex: self.vertex.clone(),
+            blocks: self.blocks.iter().map(|block| block.map(T::from_f64)).collect(),
+            vertices: self.vertices,
+        }
+    }
+
+    /// G ds: the change of the gradient for a change of the strain.
+    pub fn multiply(&self, ds: &[Sym3]) -> Vec<Vec3> {
+        let mut out = vec![Vec3::zeros(); self.vertices];
+        for (carrier, ds) in ds.iter().enumerate() {
+            for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
+                let block = nalgebra::Matrix3x6::from_column_slice(&self.blocks[k]);
+                out[self.vertex[k] as usize] += block * ds;
+            }
+        }
+        out
+    }
+}
+
+impl<T: Real> Sensitivity<T> {
     /// z = G^T Y for a row-major Y of 3 rows per vertex and `width` columns; 6 rows per carrier.
-    pub fn transpose_multiply(&self, y: &[f64], width: usize, z: &mut [f64]) {
-        // The instruction set of the machine, not of the build: four to eight columns at a time.
+    pub fn transpose_multiply(&self, y: &[T], width: usize, z: &mut [T]) {
+        // The instruction set of the machine, not of the build: four to sixteen columns at a time.
         pulp::Arch::new().dispatch(|| {
             for (carrier, rows) in z.chunks_exact_mut(6 * width).enumerate() {
                 for first in (0..width).step_by(LANES) {
@@ -91,15 +116,15 @@ impl Sensitivity {
     fn multiply_lanes<const N: usize>(
         &self,
         carrier: usize,
-        y: &[f64],
+        y: &[T],
         width: usize,
         first: usize,
-        rows: &mut [f64],
+        rows: &mut [T],
     ) {
-        let mut sums = [[0.0; N]; 6];
+        let mut sums = [[T::from_f64(0.0); N]; 6];
         for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
             let start = 3 * self.vertex[k] as usize * width + first;
-            let part: [&[f64; N]; 3] = std::array::from_fn(|axis| {
+            let part: [&[T; N]; 3] = std::array::from_fn(|axis| {
                 y[start + axis * width..].first_chunk().expect("Y has three rows per vertex")
             });
             for (sum, g) in sums.iter_mut().zip(self.blocks[k].chunks_exact(3)) {
@@ -111,18 +136,6 @@ impl Sensitivity {
         for (p, sum) in sums.iter().enumerate() {
             rows[p * width + first..][..N].copy_from_slice(sum);
         }
-    }
-
-    /// G ds: the change of the gradient for a change of the strain.
-    pub fn multiply(&self, ds: &[Sym3]) -> Vec<Vec3> {
-        let mut out = vec![Vec3::zeros(); self.vertices];
-        for (carrier, ds) in ds.iter().enumerate() {
-            for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
-                let block = nalgebra::Matrix3x6::from_column_slice(&self.blocks[k]);
-                out[self.vertex[k] as usize] += block * ds;
-            }
-        }
-        out
     }
 }
 

@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::material::IsotropicDensity;
 use crate::math::Sym3;
 use crate::math::symmetric3::MULTIPLICITY;
-use crate::solve::{BlockMatrix, BlockPattern, Factor, SymbolicFactor};
+use crate::solve::{BlockMatrix, BlockPattern, Factor, Real, RoundedFactor, SymbolicFactor};
 
 /// The quadratic form 1/2 u^T R u and its inverse.
 pub struct StrainSmoothness {
@@ -92,63 +92,50 @@ impl StrainSmoothness {
 
     /// R^+ b; for a singular form b must have mean zero in each component.
     pub fn solve(&self, b: &[Sym3]) -> Vec<Sym3> {
-        let mut out = vec![Sym3::zeros(); b.len()];
-        for p in 0..6 {
-            let mut column: Vec<f64> = b.iter().map(|s| s[p]).collect();
-            self.inverse_operator(&mut column, 1);
-            column.iter_mut().zip(&self.mass).for_each(|(value, m)| *value *= m);
-            self.transposed_inverse_operator(&mut column);
-            for (out, value) in out.iter_mut().zip(column) {
-                out[p] = value / (self.weight * MULTIPLICITY[p]);
+        // The six components side by side: one solve for all.
+        let mut flat: Vec<f64> = b.iter().flat_map(|s| s.iter().copied()).collect();
+        self.between_constants(&mut flat, 6, |b| self.factor.solve_rows(b, 6));
+        for (row, mass) in flat.chunks_exact_mut(6).zip(&self.mass) {
+            for value in row {
+                *value *= mass;
             }
         }
-        out
-    }
-
-    /// H with H^T H = Z R^+ Z^T, for a row-major Z^T with 6 rows per carrier and `width` columns,
-    /// in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
-    pub fn half_inverse(&self, z: &mut [f64], width: usize) {
-        // The rows of a carrier's six components stand side by side: one solve for all.
-        self.inverse_operator(z, 6 * width);
-        for (rows, mass) in z.chunks_exact_mut(6 * width).zip(&self.mass) {
-            for (row, multiplicity) in rows.chunks_exact_mut(width).zip(MULTIPLICITY) {
-                let scale = (mass / (self.weight * multiplicity)).sqrt();
-                for value in row {
-                    *value *= scale;
-                }
-            }
+        // The transpose of the first half, for a sum of zero: the two differ in the constant that they
+        // take out, and only together give the form that [`HalfInverse`] factors.
+        self.factor.solve_rows(&mut flat, 6);
+        if self.singular {
+            self.remove_constant(&mut flat, 6, |_| 1.0);
         }
+        let scaled = |row: &[f64]| Sym3::from_fn(|p, _| row[p] / (self.weight * MULTIPLICITY[p]));
+        flat.chunks_exact(6).map(scaled).collect()
     }
 
-    /// B^+ b in place: for a singular B, take the mean out, solve the grounded system, and take out
-    /// the constant that the mass sees.
-    fn inverse_operator(&self, b: &mut [f64], width: usize) {
+    /// The half of R^+, in the precision T.
+    pub fn half_inverse<T: Real>(&self) -> HalfInverse<'_, T> {
+        HalfInverse { smoothness: self, factor: self.factor.rounded() }
+    }
+
+    /// B^+ b in place, `solve` being the grounded system: for a singular B, the mean is taken out before
+    /// and the constant that the mass sees afterwards.
+    fn between_constants<T: Real>(&self, b: &mut [T], width: usize, solve: impl Fn(&mut [T])) {
         if self.singular {
             self.remove_constant(b, width, |_| 1.0);
         }
-        self.factor.solve_rows(b, width);
+        solve(b);
         if self.singular {
             self.remove_constant(b, width, |v| self.mass[v]);
         }
     }
 
-    /// The transpose of `inverse_operator`, for a b of sum zero where B is singular. The two differ in
-    /// the constant that they take out, and only together give the form that `half_inverse` factors.
-    fn transposed_inverse_operator(&self, b: &mut [f64]) {
-        self.factor.solve_rows(b, 1);
-        if self.singular {
-            self.remove_constant(b, 1, |_| 1.0);
-        }
-    }
-
     /// Subtracts from each column the constant that makes its weighted sum zero.
-    fn remove_constant(&self, b: &mut [f64], width: usize, weight: impl Fn(usize) -> f64) {
+    fn remove_constant<T: Real>(&self, b: &mut [T], width: usize, weight: impl Fn(usize) -> f64) {
         let total: f64 = (0..self.mass.len()).map(&weight).sum();
         for c in 0..width {
             let mean =
-                (0..self.mass.len()).map(|v| weight(v) * b[v * width + c]).sum::<f64>() / total;
+                (0..self.mass.len()).map(|v| weight(v) * b[v * width + c].to_f64()).sum::<f64>()
+                    / total;
             for v in 0..self.mass.len() {
-                b[v * width + c] -= mean;
+                b[v * width + c] -= T::from_f64(mean);
             }
         }
     }
@@ -157,6 +144,30 @@ impl StrainSmoothness {
     fn component(&self, u: &[Sym3], p: usize) -> Vec<f64> {
         let column: Vec<f64> = u.iter().map(|s| s[p]).collect();
         self.pattern.multiply(&self.operator, &column)
+    }
+}
+
+/// M^1/2 B^+, a factor of R^+.
+pub struct HalfInverse<'a, T: Real> {
+    smoothness: &'a StrainSmoothness,
+    factor: RoundedFactor<T>,
+}
+
+impl<T: Real> HalfInverse<'_, T> {
+    /// H with H^T H = Z R^+ Z^T, for a row-major Z^T with 6 rows per carrier and `width` columns,
+    /// in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
+    pub fn apply(&self, z: &mut [T], width: usize) {
+        let Self { smoothness, factor } = self;
+        smoothness.between_constants(z, 6 * width, |z| factor.solve_rows(z, 6 * width));
+        for (rows, mass) in z.chunks_exact_mut(6 * width).zip(&smoothness.mass) {
+            for (row, multiplicity) in rows.chunks_exact_mut(width).zip(MULTIPLICITY) {
+                let scale = (mass / (smoothness.weight * multiplicity)).sqrt();
+                let scale = T::from_f64(scale);
+                for value in row {
+                    *value *= scale;
+                }
+            }
+        }
     }
 }
 

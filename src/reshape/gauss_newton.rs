@@ -15,6 +15,7 @@
 //! ([W] Eqs. 19-24 are not needed). The damping lambda (Levenberg, Marquardt) holds back what the
 //! data hardly determine; H does not depend on it. docs/papers.md has the derivation.
 //!
+//! The system is made in single precision and what it misses is solved for again, in double precision.
 //! With more rows than such a system can have, it stands for a few representatives of them and
 //! preconditions conjugate gradients on the normal equations of all rows.
 
@@ -25,11 +26,16 @@ use super::rows::Rows;
 use crate::error::Result;
 use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
-use crate::math::Sym3;
-use crate::solve::{SaddleFactor, SaddleSystem};
+use crate::math::{Sym3, Vec3};
+use crate::solve::{Real, RoundedFactor, SaddleFactor, SaddleSystem};
 
-/// Conjugate gradients' steps at most; the sum so far is a direction of descent at any time.
+/// Corrections or steps of conjugate gradients at most; the sum so far is a direction of descent at
+/// any time.
 const MAX_STEPS: usize = 40;
+
+/// Trace of H^T H up to which I + share H^T H is made in single precision: its smallest eigenvalues,
+/// near 1, must stand out of the rounding of the largest.
+const SINGLE_PRECISION_TRACE: f64 = 1e8;
 
 /// A change of the plastic strain and, for a free body, a rigid motion (translation, rotation
 /// vector about the linearization's centre).
@@ -37,57 +43,66 @@ const MAX_STEPS: usize = 40;
 pub struct Direction {
     /// Change of the six numbers of each carrier.
     pub ds: Vec<Sym3>,
+    /// How the shape answers `ds`, to first order.
+    pub dx: Vec<Vec3>,
     /// Rigid motion, for free bodies.
     pub rigid: Option<Vector6<f64>>,
 }
 
-/// Rows that stand for all where these are too many.
-#[derive(Clone, Copy)]
-pub struct Representatives<'a> {
-    /// The rows.
-    pub rows: &'a Rows,
-    /// Conjugate gradients end when the error, in the preconditioner's norm, has fallen to this share.
-    pub reduction: f64,
+/// Numbers for the unknowns: values, or what the equations say of them.
+#[derive(Clone)]
+struct Unknowns {
+    strain: Vec<Sym3>,
+    rigid: Option<Vector6<f64>>,
 }
 
 /// The normal equations of one linearization, for any damping.
 pub struct NormalEquations<'a, M> {
     at: &'a Linearization<'a, M>,
     rows: &'a Rows,
-    representatives: Option<Representatives<'a>>,
+    representatives: Option<&'a Rows>,
     smoothness: &'a StrainSmoothness,
     system: SaddleSystem,
 }
 
 impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
-    /// With `representatives`, for too many rows to be solved directly.
+    /// With `representatives` of rows that are too many to be solved directly.
     pub fn new(
         at: &'a Linearization<'a, M>,
         rows: &'a Rows,
-        representatives: Option<Representatives<'a>>,
+        representatives: Option<&'a Rows>,
         smoothness: &'a StrainSmoothness,
     ) -> Self {
-        let few = representatives.map_or(rows, |r| r.rows);
-        let (half, constants) = at.half_inverse(few, smoothness);
-        let mut free = Vec::new();
-        if smoothness.is_singular() {
-            free.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
+        let few = representatives.unwrap_or(rows);
+        let mut system = dual_system(at, &at.single, few, smoothness);
+        if system.trace() > SINGLE_PRECISION_TRACE {
+            system = dual_system(at, &at.stiffness.rounded::<f64>(), few, smoothness);
         }
-        if at.body.is_free() {
-            free.extend(at.rigid_columns(few));
-        }
-        let system = SaddleSystem::new(&half, free);
         Self { at, rows, representatives, smoothness, system }
     }
 
-    /// The direction at strain `s` with the prior about `anchor`.
-    pub fn direction(&self, s: &[Sym3], anchor: &[Sym3], damping: f64) -> Result<Direction> {
+    /// The direction at strain `s` with the prior about `anchor`; its error, in the norm of the
+    /// equations, is at most about the share `reduction`.
+    pub fn direction(
+        &self,
+        s: &[Sym3],
+        anchor: &[Sym3],
+        damping: f64,
+        reduction: f64,
+    ) -> Result<Direction> {
         let offset: Vec<Sym3> = s.iter().zip(anchor).map(|(s, a)| s - a).collect();
         let share = 1.0 / (1.0 + damping);
         let saddle = self.system.factor(share)?;
         Ok(match self.representatives {
-            None => self.dual_direction(&saddle, &offset, share),
-            Some(few) => self.iterated_direction(&saddle, few, &offset, share),
+            None => self.dual_direction(&saddle, &offset, share, reduction),
+            Some(few) => {
+                let sum = self.iterated_direction(&saddle, few, &offset, share, reduction);
+                Direction {
+                    dx: self.at.shape_change(&sum.strain),
+                    ds: sum.strain,
+                    rigid: sum.rigid,
+                }
+            }
         })
     }
 
@@ -95,46 +110,78 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     pub fn promise(&self, s: &[Sym3], anchor: &[Sym3], direction: &Direction) -> f64 {
         let u: Vec<Sym3> =
             s.iter().zip(anchor).zip(&direction.ds).map(|((s, a), ds)| s - a + ds).collect();
-        let change = self.measured(direction);
+        let change = self.measured(&direction.dx, direction.rigid.as_ref());
         let data = self.rows.residuals().into_iter().zip(change).map(|(r, z)| (r + z) * (r + z));
         self.smoothness.energy(&u) + 0.5 * data.sum::<f64>()
     }
 
     /// In closed form: with v = ds + share (s - anchor), v = share R^+ Z^T a + N y.
-    fn dual_direction(&self, saddle: &SaddleFactor, offset: &[Sym3], share: f64) -> Direction {
-        let kept: Vec<Sym3> = offset.iter().map(|o| o * share).collect();
-        let before = self.rows.measure(&self.at.shape_change(&kept));
-        let d: Vec<f64> = before.iter().zip(self.rows.residuals()).map(|(z, r)| z - r).collect();
-        let (a, y) = saddle.solve(&d, &vec![0.0; self.system.free_count()]);
-        let mut v = self.smoothness.solve(&self.at.transpose_multiply(self.rows, &a));
-        for v in &mut v {
-            *v *= share;
+    fn dual_direction(
+        &self,
+        saddle: &SaddleFactor,
+        offset: &[Sym3],
+        share: f64,
+        reduction: f64,
+    ) -> Direction {
+        let ds: Vec<Sym3> = offset.iter().map(|o| o * -share).collect();
+        let dx = self.at.shape_change(&ds);
+        let rigid = self.at.body.is_free().then(Vector6::zeros);
+        let mut sum = Direction { ds, dx, rigid };
+        let before = self.measured(&sum.dx, None);
+        let mut missing: Vec<f64> =
+            before.iter().zip(self.rows.residuals()).map(|(z, r)| -z - r).collect();
+        let mut missing_free = vec![0.0; self.system.free_count()];
+        let (mut goal, mut last) = (0.0, f64::INFINITY);
+        for step in 0..MAX_STEPS {
+            let (a, y) = saddle.solve(&missing, &missing_free);
+            let size: f64 = missing.iter().zip(&a).map(|(d, a)| d * a).sum();
+            if step == 0 {
+                goal = reduction * reduction * size;
+            } else if size.is_nan() || size <= goal || size > last {
+                break;
+            }
+            last = size;
+            let force = self.adjoint(&a);
+            let mut strain = self.smoothness.solve(&force.strain);
+            for v in &mut strain {
+                *v *= share;
+            }
+            let rigid = self.add_free(&mut strain, &y);
+            let dx = self.at.shape_change(&strain);
+            let change = self.measured(&dx, rigid.as_ref());
+            missing.iter_mut().zip(&a).zip(change).for_each(|((d, a), z)| *d -= a + z);
+            missing_free.iter_mut().zip(self.free_part(&force)).for_each(|(h, f)| *h -= f);
+            sum.ds.iter_mut().zip(&strain).for_each(|(sum, v)| *sum += v);
+            sum.dx.iter_mut().zip(&dx).for_each(|(sum, dx)| *sum += dx);
+            if let (Some(sum), Some(rigid)) = (&mut sum.rigid, rigid) {
+                *sum += rigid;
+            }
         }
-        let rigid = self.add_free(&mut v, &y);
-        Direction { ds: v.iter().zip(&kept).map(|(v, k)| v - k).collect(), rigid }
+        sum
     }
 
     /// By conjugate gradients on ((1 + lambda) R + Z^T Z) ds + Z^T P xi = force, P^T (Z ds + P xi) = h.
     fn iterated_direction(
         &self,
         saddle: &SaddleFactor,
-        few: Representatives,
+        few: &Rows,
         offset: &[Sym3],
         share: f64,
-    ) -> Direction {
+        reduction: f64,
+    ) -> Unknowns {
         let residuals = self.rows.residuals();
         let mut r = self.adjoint(&residuals).minus_of(&self.smoothness.apply(offset));
-        let mut z = self.precondition(saddle, few.rows, &r, share);
+        let mut z = self.precondition(saddle, few, &r, share);
         let mut p = z.clone();
         let mut sum = z.clone().times(0.0);
         let mut rz = r.dot(&z);
-        let goal = few.reduction * few.reduction * rz;
+        let goal = reduction * reduction * rz;
         for _ in 0..MAX_STEPS {
             let ap = self.multiply(&p, share);
             let alpha = rz / p.dot(&ap);
             sum.add(alpha, &p);
             r.add(-alpha, &ap);
-            z = self.precondition(saddle, few.rows, &r, share);
+            z = self.precondition(saddle, few, &r, share);
             let next = r.dot(&z);
             if next.is_nan() || next <= goal {
                 break;
@@ -146,19 +193,20 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         sum
     }
 
-    /// The matrix of the normal equations times a direction.
-    fn multiply(&self, p: &Direction, share: f64) -> Direction {
-        let mut product = self.adjoint(&self.measured(p));
-        for (product, prior) in product.ds.iter_mut().zip(self.smoothness.apply(&p.ds)) {
+    /// The matrix of the normal equations times `p`.
+    fn multiply(&self, p: &Unknowns, share: f64) -> Unknowns {
+        let change = self.measured(&self.at.shape_change(&p.strain), p.rigid.as_ref());
+        let mut product = self.adjoint(&change);
+        for (product, prior) in product.strain.iter_mut().zip(self.smoothness.apply(&p.strain)) {
             *product += prior / share;
         }
         product
     }
 
-    /// Z ds + P xi, of all rows.
-    fn measured(&self, p: &Direction) -> Vec<f64> {
-        let mut change = self.rows.measure(&self.at.shape_change(&p.ds));
-        if let Some(rigid) = &p.rigid {
+    /// Z ds + P xi of all rows, for the shape's answer dx to ds.
+    fn measured(&self, dx: &[Vec3], rigid: Option<&Vector6<f64>>) -> Vec<f64> {
+        let mut change = self.rows.measure(dx);
+        if let Some(rigid) = rigid {
             for (column, xi) in self.at.rigid_columns(self.rows).iter().zip(rigid) {
                 change.iter_mut().zip(column).for_each(|(z, c)| *z += c * xi);
             }
@@ -167,12 +215,22 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     }
 
     /// [Z, P]^T a, of all rows.
-    fn adjoint(&self, a: &[f64]) -> Direction {
+    fn adjoint(&self, a: &[f64]) -> Unknowns {
         let rigid = self.at.body.is_free().then(|| {
             let columns = self.at.rigid_columns(self.rows);
             Vector6::from_fn(|k, _| columns[k].iter().zip(a).map(|(c, a)| c * a).sum())
         });
-        Direction { ds: self.at.transpose_multiply(self.rows, a), rigid }
+        Unknowns { strain: self.at.transpose_multiply(self.rows, a), rigid }
+    }
+
+    /// What a force says of the constant strains that R leaves free and of the rigid motion.
+    fn free_part(&self, force: &Unknowns) -> Vec<f64> {
+        let mut h: Vec<f64> = Vec::new();
+        if self.smoothness.is_singular() {
+            h.extend(force.strain.iter().sum::<Sym3>().iter());
+        }
+        h.extend(force.rigid.iter().flat_map(|rigid| rigid.iter().copied()));
+        h
     }
 
     /// The direction that the representatives answer `force` with:
@@ -181,15 +239,11 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         &self,
         saddle: &SaddleFactor,
         few: &Rows,
-        force: &Direction,
+        force: &Unknowns,
         share: f64,
-    ) -> Direction {
-        let mut h: Vec<f64> = Vec::new();
-        if self.smoothness.is_singular() {
-            h.extend(force.ds.iter().sum::<Sym3>().iter());
-        }
-        h.extend(force.rigid.iter().flat_map(|rigid| rigid.iter().copied()));
-        let mut u = self.smoothness.solve(&force.ds);
+    ) -> Unknowns {
+        let h = self.free_part(force);
+        let mut u = self.smoothness.solve(&force.strain);
         for u in &mut u {
             *u *= share;
         }
@@ -198,7 +252,7 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         u.iter_mut().zip(back).for_each(|(u, back)| *u -= back * share);
         let y: Vec<f64> = y.iter().map(|y| -y).collect();
         let rigid = self.add_free(&mut u, &y);
-        Direction { ds: u, rigid }
+        Unknowns { strain: u, rigid }
     }
 
     /// Adds the constant strains among the free unknowns to `u`; the others are the rigid motion.
@@ -214,15 +268,33 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     }
 }
 
-impl Direction {
+/// The system of `rows` in the precision of `stiffness`.
+fn dual_system<M: IsotropicDensity, T: Real>(
+    at: &Linearization<M>,
+    stiffness: &RoundedFactor<T>,
+    rows: &Rows,
+    smoothness: &StrainSmoothness,
+) -> SaddleSystem {
+    let (half, constants) = at.half_inverse(stiffness, rows, smoothness);
+    let mut free = Vec::new();
+    if smoothness.is_singular() {
+        free.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
+    }
+    if at.body.is_free() {
+        free.extend(at.rigid_columns(rows));
+    }
+    SaddleSystem::new(&half, free)
+}
+
+impl Unknowns {
     fn dot(&self, other: &Self) -> f64 {
         let rigid = self.rigid.iter().zip(&other.rigid).map(|(a, b)| a.dot(b));
-        self.ds.iter().zip(&other.ds).map(|(a, b)| a.dot(b)).chain(rigid).sum()
+        self.strain.iter().zip(&other.strain).map(|(a, b)| a.dot(b)).chain(rigid).sum()
     }
 
     fn times(mut self, factor: f64) -> Self {
-        for ds in &mut self.ds {
-            *ds *= factor;
+        for s in &mut self.strain {
+            *s *= factor;
         }
         self.rigid = self.rigid.map(|rigid| rigid * factor);
         self
@@ -230,7 +302,7 @@ impl Direction {
 
     /// self += factor other
     fn add(&mut self, factor: f64, other: &Self) {
-        self.ds.iter_mut().zip(&other.ds).for_each(|(a, b)| *a += b * factor);
+        self.strain.iter_mut().zip(&other.strain).for_each(|(a, b)| *a += b * factor);
         if let (Some(a), Some(b)) = (&mut self.rigid, &other.rigid) {
             *a += b * factor;
         }
@@ -238,7 +310,7 @@ impl Direction {
 
     /// -(self + prior)
     fn minus_of(mut self, prior: &[Sym3]) -> Self {
-        self.ds.iter_mut().zip(prior).for_each(|(a, b)| *a += b);
+        self.strain.iter_mut().zip(prior).for_each(|(a, b)| *a += b);
         self.times(-1.0)
     }
 }

@@ -9,7 +9,7 @@ use super::rows::Rows;
 use crate::fem::{Body, Sensitivity, StrainSmoothness, rigid_modes, solve_vectors};
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
-use crate::solve::{ColumnBlocks, Factor};
+use crate::solve::{ColumnBlocks, Factor, Real, RoundedFactor};
 
 /// What the direction is computed at.
 pub struct Linearization<'a, M> {
@@ -17,6 +17,8 @@ pub struct Linearization<'a, M> {
     pub body: &'a Body<M>,
     /// Factor of its stiffness at `x`.
     pub stiffness: &'a Factor,
+    /// The same in single precision, for what is corrected afterwards.
+    pub single: RoundedFactor<f32>,
     /// d(gradient)/ds at `x`.
     pub sensitivity: &'a Sensitivity,
     /// Vertex positions.
@@ -25,7 +27,18 @@ pub struct Linearization<'a, M> {
     pub center: Vec3,
 }
 
-impl<M: IsotropicDensity> Linearization<'_, M> {
+impl<'a, M: IsotropicDensity> Linearization<'a, M> {
+    /// At the shape `x` with the factor of its stiffness and its sensitivity.
+    pub fn new(
+        body: &'a Body<M>,
+        stiffness: &'a Factor,
+        sensitivity: &'a Sensitivity,
+        x: &'a [Vec3],
+    ) -> Self {
+        let center = x.iter().sum::<Vec3>() / x.len() as f64;
+        Self { body, stiffness, single: stiffness.rounded(), sensitivity, x, center }
+    }
+
     /// J ds = -K^-1 G ds: how the shape answers a change of strain, to first order.
     pub fn shape_change(&self, ds: &[Sym3]) -> Vec<Vec3> {
         let forces = self.sensitivity.multiply(ds);
@@ -42,38 +55,44 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
     }
 
     /// H with H^T H = Z R^+ Z^T in blocks of columns, one column per row of data, and the sums of
-    /// Z^T over all carriers: Z times each constant strain.
-    pub(super) fn half_inverse(
+    /// Z^T over all carriers: Z times each constant strain. In the precision of `stiffness`.
+    pub(super) fn half_inverse<'m, T: Real>(
         &self,
+        stiffness: &'m RoundedFactor<T>,
         rows: &Rows,
         smoothness: &StrainSmoothness,
-    ) -> (ColumnBlocks, Vec<Vector6<f64>>) {
-        let mut half = ColumnBlocks::zeros(6 * self.sensitivity.carriers(), rows.rows.len());
+    ) -> (ColumnBlocks<'m, T>, Vec<Vector6<f64>>) {
+        let sensitivity = self.sensitivity.rounded::<T>();
+        let smoothness = smoothness.half_inverse::<T>();
+        let mut half =
+            ColumnBlocks::new(6 * self.sensitivity.carriers(), rows.rows.len(), stiffness.memory());
         let constants: Vec<Vec<Vector6<f64>>> = half
             .blocks
             .par_iter_mut()
-            .zip(rows.rows.par_chunks(ColumnBlocks::WIDTH))
-            .map_init(Vec::new, |y: &mut Vec<f64>, (z, part)| {
+            .zip(rows.rows.par_chunks(ColumnBlocks::<T>::WIDTH))
+            .map(|(z, part)| {
                 let width = part.len();
-                y.clear();
-                y.resize(3 * self.x.len() * width, 0.0);
+                let size = 3 * self.x.len() * width;
+                let mut y = stiffness.memory().take(size);
+                y.resize(size, T::from_f64(0.0));
                 for (c, row) in part.iter().enumerate() {
                     let scaled = row.direction * -row.weight.sqrt();
                     for &(v, w) in &rows.points[row.point].0 {
                         for axis in 0..3 {
-                            y[(3 * v as usize + axis) * width + c] += scaled[axis] * w;
+                            y[(3 * v as usize + axis) * width + c] += T::from_f64(scaled[axis] * w);
                         }
                     }
                 }
-                self.stiffness.solve_rows(y, width);
-                self.sensitivity.transpose_multiply(y, width, z);
+                stiffness.solve_rows(&mut y, width);
+                sensitivity.transpose_multiply(&y, width, z);
+                stiffness.memory().give(y);
                 let mut sums = vec![Vector6::zeros(); width];
                 for carrier in z.chunks_exact(6 * width) {
                     for (p, row) in carrier.chunks_exact(width).enumerate() {
-                        sums.iter_mut().zip(row).for_each(|(sum, z)| sum[p] += z);
+                        sums.iter_mut().zip(row).for_each(|(sum, z)| sum[p] += z.to_f64());
                     }
                 }
-                smoothness.half_inverse(z, width);
+                smoothness.apply(z, width);
                 sums
             })
             .collect();

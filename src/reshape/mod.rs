@@ -20,7 +20,7 @@ mod trial;
 mod woodbury;
 
 pub use again::reshape_again;
-pub use gauss_newton::{Direction, NormalEquations, Representatives};
+pub use gauss_newton::{Direction, NormalEquations};
 pub use linearization::Linearization;
 pub use options::Options;
 pub use problem::{Landmark, Marker, Problem, TemplatePoint};

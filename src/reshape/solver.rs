@@ -89,7 +89,8 @@ impl<'a> Solver<'a> {
         let anchor = vec![space.from_logarithm(&strain); carriers];
         let screening = options.screening.unwrap_or_else(|| scene.default_screening(&x));
         let floor = |fraction: &f64| fraction.max(SMALLEST_TET_WEIGHT);
-        let tet_weight: Vec<f64> = problem.inside_fraction.iter().map(floor).collect();
+        let tet_weight: Vec<f64> =
+            scene.numbering.tets(&problem.inside_fraction).iter().map(floor).collect();
         let smoothness = StrainSmoothness::new(
             &scene.body,
             &space,
@@ -268,7 +269,7 @@ impl<'a> Solver<'a> {
         Reshaped {
             surface_points: self.scene.embedding.apply(&tet_points),
             tet_points: self.scene.numbering.restore(&tet_points),
-            plastic_strain: self.plastic_strain(&state.s),
+            plastic_strain: self.scene.numbering.restore_tets(&self.plastic_strain(&state.s)),
             summary: self.summary,
             earlier: Arc::new(Earlier {
                 options: self.options.clone(),

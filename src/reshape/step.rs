@@ -4,20 +4,19 @@ use rayon::prelude::*;
 
 use super::damping::Damping;
 use super::evidence::{Contact, Weights, representatives, rows};
-use super::gauss_newton::{Direction, NormalEquations, Representatives};
+use super::gauss_newton::{Direction, NormalEquations};
 use super::linearization::Linearization;
 use super::solver::{Solver, State};
 use super::trial::Origin;
 use crate::error::Result;
 use crate::fem::Sensitivity;
 use crate::material::{InversionBarrier, StableNeoHookean};
-use crate::math::Vec3;
 
 /// Pairs of trials before the search for a step is given up.
 const MAX_ROUNDS: i32 = 3;
 
-/// How exact directions for very many markers are; the trials judge them.
-const DIRECTION_REDUCTION: f64 = 0.03;
+/// How exact directions are; the trials judge them.
+const DIRECTION_REDUCTION: f64 = 1e-3;
 
 /// Share of the present objective, times the step's length, that a step must take away.
 const ARMIJO: f64 = 1e-4;
@@ -51,24 +50,20 @@ impl Solver<'_> {
         let rows = rows(&self.scene, &contact, &weights, &state.x);
         let representatives = representatives(&self.scene, &contact, &weights, &state.x);
         let plastic = self.plastic(&state.s);
-        let stiffness = self.scene.body.factor_stiffness(&state.x, &plastic)?;
-        let sensitivity = Sensitivity::new(&self.scene.body, &self.space, &state.x, &plastic);
-        let at = Linearization {
-            body: &self.scene.body,
-            stiffness: &stiffness,
-            sensitivity: &sensitivity,
-            x: &state.x,
-            center: state.x.iter().sum::<Vec3>() / state.x.len() as f64,
-        };
+        let (body, x) = (&self.scene.body, &state.x);
+        let (stiffness, sensitivity) = rayon::join(
+            || body.factor_stiffness(x, &plastic),
+            || Sensitivity::new(body, &self.space, x, &plastic),
+        );
+        let stiffness = stiffness?;
+        let at = Linearization::new(body, &stiffness, &sensitivity, x);
         let objective = rows.energy() + self.prior(&state.s);
         let origin = Origin { state, at: &at, weights: &weights, objective };
         let search = if self.options.paper && !self.scene.body.is_free() {
             let direction = at.woodbury_direction(&rows, &self.smoothness, &state.s, &self.anchor);
             Search::Halving(direction)
         } else {
-            let few = representatives
-                .as_ref()
-                .map(|rows| Representatives { rows, reduction: DIRECTION_REDUCTION });
+            let few = representatives.as_ref();
             Search::Damping(NormalEquations::new(&at, &rows, few, &self.smoothness))
         };
         let mut newton_steps = 0;
@@ -101,12 +96,12 @@ impl Solver<'_> {
             }
             Search::Damping(equations) => {
                 let damping = self.damping.pair(round)[k];
-                (equations.direction(&state.s, &self.anchor, damping)?, 1.0, damping)
+                let (s, anchor) = (&state.s, &self.anchor);
+                (equations.direction(s, anchor, damping, DIRECTION_REDUCTION)?, 1.0, damping)
             }
         };
-        let dx = origin.at.shape_change(&direction.ds);
         let eta = share * self.largest_step(&state.s, &direction);
-        let trial = self.trial(origin, &direction, &dx, eta)?;
+        let trial = self.trial(origin, &direction, eta)?;
         let needed = origin.objective * (1.0 - ARMIJO * eta);
         let (state, value) = match trial.reached.filter(|(_, value)| *value <= needed) {
             Some((state, value)) => (Some(state), value),

@@ -39,24 +39,18 @@ pub struct Trial {
 
 impl Solver<'_> {
     /// Takes `eta` times a direction.
-    pub(super) fn trial(
-        &self,
-        from: &Origin,
-        direction: &Direction,
-        dx: &[Vec3],
-        eta: f64,
-    ) -> Result<Trial> {
+    pub(super) fn trial(&self, from: &Origin, direction: &Direction, eta: f64) -> Result<Trial> {
         let s: Vec<Sym3> =
             from.state.s.iter().zip(&direction.ds).map(|(s, ds)| s + ds * eta).collect();
         let plastic = self.plastic(&s);
         let prior = self.prior(&s);
         let rigid = direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), from.at.center));
-        let predicted = self.predict(&from.state.x, dx, eta, rigid.as_ref(), &plastic);
+        let predicted = self.predict(&from.state.x, &direction.dx, eta, rigid.as_ref(), &plastic);
         let objective = |x: &[Vec3]| self.data(x, from.weights) + prior;
         let hopeless = |x: &[Vec3]| objective(x) > HOPELESS * from.objective;
         let body = &self.scene.body;
         let Equilibrium { x, outcome, steps } =
-            body.equilibrate_near(predicted, &plastic, &STATICS, from.at.stiffness, &hopeless)?;
+            body.equilibrate_near(predicted, &plastic, &STATICS, &from.at.single, &hopeless)?;
         let reached = (outcome == Outcome::Converged).then(|| {
             let value = objective(&x);
             (State { s, x }, value)

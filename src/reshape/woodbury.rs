@@ -36,7 +36,8 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         }
         let v: Vec<Sym3> = lemma(smoothness, &gradient).into_iter().map(|v| -v).collect();
         // ds = v - B^-1 Zh^T (I + Zh B^-1 Zh^T)^-1 Zh v.
-        let (half, constants) = self.half_inverse(rows, smoothness);
+        let stiffness = self.stiffness.rounded::<f64>();
+        let (half, constants) = self.half_inverse(&stiffness, rows, smoothness);
         let right = self.extended_multiply(rows, &v);
         let right = Mat::from_fn(right.len(), 1, |i, _| right[i]);
         let y = capacity(&half, &constants, s.len()).partial_piv_lu().solve(&right);
@@ -47,8 +48,8 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         for b in &mut back {
             *b += constant;
         }
-        let ds = v.iter().zip(lemma(smoothness, &back)).map(|(v, b)| v - b).collect();
-        Direction { ds, rigid: None }
+        let ds: Vec<Sym3> = v.iter().zip(lemma(smoothness, &back)).map(|(v, b)| v - b).collect();
+        Direction { dx: self.shape_change(&ds), ds, rigid: None }
     }
 
     /// [Z v; psi^T v].
@@ -67,7 +68,7 @@ fn lemma(smoothness: &StrainSmoothness, b: &[Sym3]) -> Vec<Sym3> {
 }
 
 /// I + Zh B^-1 Zh^T from Z R^+ Z^T = H^T H and Z psi = constants / sqrt(carriers).
-fn capacity(half: &ColumnBlocks, constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
+fn capacity(half: &ColumnBlocks<'_, f64>, constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
     let q = constants.len();
     let mut gram = Mat::zeros(q, q);
     half.add_gram_lower(&mut gram);

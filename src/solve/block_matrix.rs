@@ -5,10 +5,13 @@ use rayon::prelude::*;
 
 use super::ordering::nested_dissection;
 
+/// Rows and columns of a block at most.
+const MAX_BLOCK: usize = 3;
+
 /// Where the blocks of a symmetric matrix on the vertices of a tet mesh stand.
 #[derive(Clone, Debug)]
 pub struct BlockPattern {
-    /// Rows and columns of a block.
+    /// Rows and columns of a block, 1 or 3.
     pub block: usize,
     /// For each vertex the higher-numbered vertices it is coupled with, ascending.
     pub higher: Vec<Vec<u32>>,
@@ -109,14 +112,21 @@ impl BlockPattern {
         self.columns(&mut values).into_par_iter().enumerate().for_each(|(v, column)| {
             for k in 0..self.source_ptr[v].len() - 1 {
                 let range = self.source_ptr[v][k] as usize..self.source_ptr[v][k + 1] as usize;
+                let mut sums = [[0.0; MAX_BLOCK]; MAX_BLOCK];
                 for &source in &self.sources[v][range] {
                     let (t, a, b) =
                         ((source >> 4) as usize, (source >> 2 & 3) as usize, (source & 3) as usize);
-                    for c in 0..self.block {
-                        for r in if k == 0 { c } else { 0 }..self.block {
-                            column[self.offset(v, k, r, c)] += element(t, a, b, r, c);
+                    for (c, sums) in sums.iter_mut().enumerate().take(self.block) {
+                        for (r, sum) in sums.iter_mut().enumerate().take(self.block) {
+                            *sum += element(t, a, b, r, c);
                         }
                     }
+                }
+                for (c, sums) in sums.iter().enumerate().take(self.block) {
+                    let first = if k == 0 { c } else { 0 };
+                    let start = self.offset(v, k, first, c);
+                    column[start..start + self.block - first]
+                        .copy_from_slice(&sums[first..self.block]);
                 }
             }
         });
@@ -154,13 +164,27 @@ impl BlockPattern {
     /// y = A x.
     pub fn multiply(&self, matrix: &BlockMatrix, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; self.size()];
-        for c in 0..self.size() {
-            let range = self.col_ptr[c]..self.col_ptr[c + 1];
-            for (&r, &value) in self.row_idx[range.clone()].iter().zip(&matrix.values[range]) {
-                y[r] += value * x[c];
-                if r != c {
-                    y[c] += value * x[r];
+        let mut values = &matrix.values[..];
+        for (v, higher) in self.higher.iter().enumerate() {
+            for c in 0..self.block {
+                let column = self.block * v + c;
+                let (diagonal, rest) = values.split_at(self.block - c);
+                let (below, next) = rest.split_at(self.block * higher.len());
+                values = next;
+                let mut sum = diagonal[0] * x[column];
+                for (r, value) in (column + 1..).zip(&diagonal[1..]) {
+                    y[r] += value * x[column];
+                    sum += value * x[r];
                 }
+                for (&w, entries) in higher.iter().zip(below.chunks_exact(self.block)) {
+                    let rows = self.block * w as usize..self.block * (w as usize + 1);
+                    for ((y, x_row), value) in y[rows.clone()].iter_mut().zip(&x[rows]).zip(entries)
+                    {
+                        *y += value * x[column];
+                        sum += value * x_row;
+                    }
+                }
+                y[column] += sum;
             }
         }
         y

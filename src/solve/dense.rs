@@ -11,28 +11,36 @@ use faer::linalg::triangular_solve::{
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
+use super::memory::Memory;
+use super::real::Real;
 use crate::error::{Error, Result};
 
 /// Rows multiplied in one call; keeps both panels in the cache.
 const PANEL: usize = 512;
 
 /// A dense matrix in blocks of columns, so that each block can be computed on its own thread.
-pub struct ColumnBlocks {
+pub struct ColumnBlocks<'m, T> {
     /// Row-major blocks of [`Self::WIDTH`] columns; the last may be narrower.
-    pub blocks: Vec<Vec<f64>>,
+    pub blocks: Vec<Vec<T>>,
     rows: usize,
     columns: usize,
+    memory: &'m Memory<T>,
 }
 
-impl ColumnBlocks {
+impl<'m, T: Real> ColumnBlocks<'m, T> {
     /// Columns of a block.
     pub const WIDTH: usize = 64;
 
-    /// A matrix of zeros.
-    pub fn zeros(rows: usize, columns: usize) -> Self {
-        let width = |first: usize| Self::WIDTH.min(columns - first);
-        let block = |first| vec![0.0; rows * width(first)];
-        Self { blocks: (0..columns).step_by(Self::WIDTH).map(block).collect(), rows, columns }
+    /// A matrix whose entries are not set yet.
+    pub fn new(rows: usize, columns: usize, memory: &'m Memory<T>) -> Self {
+        let block = |first| {
+            let size = rows * Self::WIDTH.min(columns - first);
+            let mut block = memory.take(size);
+            block.resize(size, T::from_f64(0.0));
+            block
+        };
+        let blocks = (0..columns).step_by(Self::WIDTH).map(block).collect();
+        Self { blocks, rows, columns, memory }
     }
 
     /// Number of columns.
@@ -41,7 +49,7 @@ impl ColumnBlocks {
     }
 
     /// gram += A^T A in its lower triangle. Parallel over blocks of the result, each summed in row
-    /// order.
+    /// order, panels in double precision.
     pub fn add_gram_lower(&self, gram: &mut Mat<f64>) {
         let pairs: Vec<(usize, usize)> =
             (0..self.blocks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
@@ -59,14 +67,28 @@ impl ColumnBlocks {
         let width = |k: usize| Self::WIDTH.min(self.columns - k * Self::WIDTH);
         let view = |k: usize| MatRef::from_row_major_slice(&self.blocks[k], self.rows, width(k));
         let (left, right) = (view(i), view(j));
-        let mut product = Mat::zeros(width(i), width(j));
+        let mut product = Mat::<f64>::zeros(width(i), width(j));
+        let mut part = Mat::<T>::zeros(width(i), width(j));
         for start in (0..self.rows).step_by(PANEL) {
             let height = PANEL.min(self.rows - start);
             let left = left.subrows(start, height).transpose();
             let right = right.subrows(start, height);
-            matmul(product.as_mut(), Accum::Add, left, right, 1.0, Par::Seq);
+            matmul(part.as_mut(), Accum::Replace, left, right, T::from_f64(1.0), Par::Seq);
+            for c in 0..width(j) {
+                for r in 0..width(i) {
+                    product[(r, c)] += part[(r, c)].to_f64();
+                }
+            }
         }
         product
+    }
+}
+
+impl<T> Drop for ColumnBlocks<'_, T> {
+    fn drop(&mut self) {
+        for block in self.blocks.drain(..) {
+            self.memory.give(block);
+        }
     }
 }
 

@@ -1,26 +1,21 @@
 //! Sparse Cholesky: pattern and ordering once, values many times, many right-hand sides.
 //!
-//! faer factors; the solve for many right-hand sides is ours: rows are contiguous, and supernodes
-//! that a sparse right-hand side does not reach are passed over (about three times as fast as
-//! column by column, docs/benchmarks.md).
-
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Accum, MatMut, MatRef, Par, Side};
+use faer::{Par, Side};
 
 use super::block_matrix::{BlockMatrix, BlockPattern};
+use super::memory::{Memories, Memory};
+use super::real::Real;
+use super::triangular::Lower;
 use crate::error::{Error, Result};
 
 /// The symbolic factorization of one pattern.
@@ -32,8 +27,8 @@ pub struct SymbolicFactor {
     /// `new_from_old[i]`: place of row i in the elimination order, unless it is i.
     new_from_old: Option<Vec<usize>>,
     max_pattern: usize,
-    /// Memory of factors that are no longer used, for the next one.
-    spare: Mutex<Vec<Vec<f64>>>,
+    /// Memory of factors that are no longer used, and for work with them.
+    memories: Memories,
 }
 
 /// A numeric factor L L^T = A.
@@ -41,6 +36,13 @@ pub struct SymbolicFactor {
 pub struct Factor {
     symbolic: Arc<SymbolicFactor>,
     values: Vec<f64>,
+}
+
+/// A factor in another precision, for right-hand sides in that precision.
+#[derive(Debug)]
+pub struct RoundedFactor<T: Real> {
+    symbolic: Arc<SymbolicFactor>,
+    values: Vec<T>,
 }
 
 impl SymbolicFactor {
@@ -82,7 +84,7 @@ impl SymbolicFactor {
             row_idx,
             new_from_old,
             max_pattern,
-            spare: Mutex::default(),
+            memories: Memories::default(),
         }))
     }
 
@@ -97,7 +99,8 @@ impl SymbolicFactor {
         let pattern =
             SymbolicSparseColMatRef::new_checked(n, n, &self.col_ptr, None, &self.row_idx);
         let a = SparseColMatRef::new(pattern, &matrix.values[..]);
-        let mut values = self.memory().pop().unwrap_or_else(|| vec![0.0; self.symbolic.len_val()]);
+        let mut values = self.memories.double.take(self.symbolic.len_val());
+        values.resize(self.symbolic.len_val(), 0.0);
         let mut memory = MemBuffer::new(
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default()),
         );
@@ -121,14 +124,18 @@ impl SymbolicFactor {
         }
     }
 
-    fn memory(&self) -> std::sync::MutexGuard<'_, Vec<Vec<f64>>> {
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lower<'a, T: Real>(&'a self, values: &'a [T]) -> Lower<'a, T> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            unreachable!("the threshold forces supernodes");
+        };
+        let place = self.new_from_old.as_deref();
+        Lower { symbolic, values, place, max_pattern: self.max_pattern }
     }
 }
 
 impl Drop for Factor {
     fn drop(&mut self) {
-        self.symbolic.memory().push(std::mem::take(&mut self.values));
+        self.symbolic.memories.double.give(std::mem::take(&mut self.values));
     }
 }
 
@@ -146,91 +153,35 @@ impl Factor {
     /// Solves A X = B for a row-major block of at most a few hundred columns, in place, on this
     /// thread.
     pub fn solve_rows(&self, b: &mut [f64], width: usize) {
-        let mut gathered = vec![0.0; self.symbolic.max_pattern * width];
-        let Some(place) = &self.symbolic.new_from_old else {
-            self.forward(b, width, &mut gathered);
-            self.backward(b, width, &mut gathered);
-            return;
-        };
-        let mut x = vec![0.0; b.len()];
-        for (row, &new) in b.chunks_exact(width).zip(place) {
-            x[new * width..][..width].copy_from_slice(row);
-        }
-        self.forward(&mut x, width, &mut gathered);
-        self.backward(&mut x, width, &mut gathered);
-        for (row, &new) in b.chunks_exact_mut(width).zip(place) {
-            row.copy_from_slice(&x[new * width..][..width]);
-        }
+        self.symbolic.lower(&self.values).solve_rows(b, width);
     }
 
-    fn supernodes(&self) -> SupernodalLltRef<'_, usize, f64> {
-        match self.symbolic.symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(s) => SupernodalLltRef::new(s, &self.values),
-            SymbolicCholeskyRaw::Simplicial(_) => unreachable!("the threshold forces supernodes"),
-        }
-    }
-
-    /// x := L^-1 x, supernode by supernode; those whose rows are all zero change nothing.
-    fn forward(&self, x: &mut [f64], width: usize, gathered: &mut [f64]) {
-        let llt = self.supernodes();
-        for s in 0..llt.symbolic().n_supernodes() {
-            let node = llt.supernode(s);
-            let (start, size) = (node.start(), node.val().ncols());
-            let top = &mut x[start * width..(start + size) * width];
-            if top.iter().all(|&value| value == 0.0) {
-                continue;
-            }
-            let (l_top, l_rest) = node.val().split_at_row(size);
-            let top = MatMut::from_row_major_slice_mut(top, size, width);
-            let product = MatMut::from_row_major_slice_mut(
-                &mut gathered[..node.pattern().len() * width],
-                node.pattern().len(),
-                width,
-            );
-            multiply_forward(l_top, l_rest, top, product);
-            for (&row, values) in node.pattern().iter().zip(gathered.chunks_exact(width)) {
-                for (target, value) in x[row * width..][..width].iter_mut().zip(values) {
-                    *target -= value;
-                }
-            }
-        }
-    }
-
-    /// x := L^-T x.
-    fn backward(&self, x: &mut [f64], width: usize, gathered: &mut [f64]) {
-        let llt = self.supernodes();
-        for s in (0..llt.symbolic().n_supernodes()).rev() {
-            let node = llt.supernode(s);
-            let (start, size) = (node.start(), node.val().ncols());
-            for (&row, values) in node.pattern().iter().zip(gathered.chunks_exact_mut(width)) {
-                values.copy_from_slice(&x[row * width..][..width]);
-            }
-            let (l_top, l_rest) = node.val().split_at_row(size);
-            let below = MatRef::from_row_major_slice(
-                &gathered[..node.pattern().len() * width],
-                node.pattern().len(),
-                width,
-            );
-            let mut top = MatMut::from_row_major_slice_mut(
-                &mut x[start * width..(start + size) * width],
-                size,
-                width,
-            );
-            matmul(top.as_mut(), Accum::Add, l_rest.transpose(), below, -1.0, Par::Seq);
-            solve_upper_triangular_in_place(l_top.transpose(), top, Par::Seq);
-        }
+    /// A copy with rounded values.
+    pub fn rounded<T: Real>(&self) -> RoundedFactor<T> {
+        let mut values = T::memory(&self.symbolic.memories).take(self.values.len());
+        values.extend(self.values.iter().map(|&value| T::from_f64(value)));
+        RoundedFactor { symbolic: Arc::clone(&self.symbolic), values }
     }
 }
 
-/// top := L_top^-1 top, product := L_rest top.
-fn multiply_forward(
-    l_top: MatRef<'_, f64>,
-    l_rest: MatRef<'_, f64>,
-    mut top: MatMut<'_, f64>,
-    product: MatMut<'_, f64>,
-) {
-    solve_lower_triangular_in_place(l_top, top.as_mut(), Par::Seq);
-    matmul(product, Accum::Replace, l_rest, top.as_ref(), 1.0, Par::Seq);
+impl<T: Real> RoundedFactor<T> {
+    /// Memory for right-hand sides.
+    pub fn memory(&self) -> &Memory<T> {
+        T::memory(&self.symbolic.memories)
+    }
+
+    /// Solves A X = B for a row-major block of at most a few hundred columns, in place, on this
+    /// thread.
+    pub fn solve_rows(&self, b: &mut [T], width: usize) {
+        self.symbolic.lower(&self.values).solve_rows(b, width);
+    }
+}
+
+impl<T: Real> Drop for RoundedFactor<T> {
+    fn drop(&mut self) {
+        let values = std::mem::take(&mut self.values);
+        self.memory().give(values);
+    }
 }
 
 /// The inverse permutation.

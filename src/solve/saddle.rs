@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use super::dense::{ColumnBlocks, DenseCholesky};
+use super::real::Real;
 use crate::error::Result;
 
 /// Relative size of the shift that makes a rank-deficient Schur complement solvable.
@@ -28,10 +29,15 @@ pub struct SaddleFactor<'a> {
 
 impl SaddleSystem {
     /// From H and the columns of P.
-    pub fn new(half: &ColumnBlocks, free: Vec<Vec<f64>>) -> Self {
+    pub fn new<T: Real>(half: &ColumnBlocks<'_, T>, free: Vec<Vec<f64>>) -> Self {
         let mut gram = Mat::zeros(half.columns(), half.columns());
         half.add_gram_lower(&mut gram);
         Self { gram, free }
+    }
+
+    /// Trace of H^T H.
+    pub fn trace(&self) -> f64 {
+        (0..self.gram.nrows()).map(|i| self.gram[(i, i)]).sum()
     }
 
     /// Number of columns of P.

@@ -1,0 +1,60 @@
+//! Memory that is used again: large blocks are otherwise returned to the system and cleared by it
+//! each time (a tenth of a reshaping, docs/benchmarks.md).
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Blocks that are not in use.
+#[derive(Debug)]
+pub struct Memory<T>(Mutex<Vec<Vec<T>>>);
+
+impl<T> Memory<T> {
+    /// An empty block with room for `length` values; the smallest one at hand that has it.
+    pub fn take(&self, length: usize) -> Vec<T> {
+        let mut blocks = self.lock();
+        let fitting = (0..blocks.len()).filter(|&k| blocks[k].capacity() >= length);
+        let best = fitting.min_by_key(|&k| blocks[k].capacity());
+        let mut block = best.map(|k| blocks.swap_remove(k)).unwrap_or_default();
+        drop(blocks);
+        block.clear();
+        block.reserve_exact(length);
+        block
+    }
+
+    /// Returns a block.
+    pub fn give(&self, block: Vec<T>) {
+        self.lock().push(block);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Vec<T>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<T> Default for Memory<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+/// Memory in both precisions.
+#[derive(Debug, Default)]
+pub struct Memories {
+    pub(super) single: Memory<f32>,
+    pub(super) double: Memory<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_comes_back_empty_and_the_smallest_that_fits_is_taken() {
+        let memory = Memory::default();
+        memory.give(vec![1; 100]);
+        memory.give(vec![2; 10]);
+        let block = memory.take(7);
+        assert!(block.is_empty() && (10..100).contains(&block.capacity()));
+        assert!(memory.take(20).capacity() >= 100);
+        assert!(memory.take(20).capacity() >= 20);
+    }
+}
