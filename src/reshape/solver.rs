@@ -146,6 +146,9 @@ impl<'a> Solver<'a> {
     /// Gauss-Newton with a growing weight of the markers.
     fn minimize(&mut self, mut state: State) -> Result<State> {
         let (mut scale, mut small_decreases) = (FIRST_DATA_SCALE, 0);
+        // Whether a step at the full weight has gained little already: where markers change their
+        // matches, the objective has kinks, and then no better step is no fault.
+        let mut settling = false;
         loop {
             self.record(&state, scale);
             if let Some(stop) = self.interruption() {
@@ -159,9 +162,10 @@ impl<'a> Solver<'a> {
             }
             let small = decrease.unwrap_or(0.0) < SMALL_DECREASE;
             small_decreases = if small { small_decreases + 1 } else { 0 };
+            settling |= scale >= 1.0 && decrease.is_some_and(|d| d < LEVEL_DECREASE);
             if scale >= 1.0 && (small_decreases == 2 || decrease.is_none()) {
                 self.record(&state, scale);
-                self.summary.stop = self.verdict(decrease.is_some());
+                self.summary.stop = self.verdict(settling);
                 return Ok(state);
             }
             if decrease.unwrap_or(0.0) < LEVEL_DECREASE {
