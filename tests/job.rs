@@ -31,8 +31,12 @@ impl Folder {
 
     /// A ball of radius 10, and markers on an ellipsoid of half axes 13, 10 and 9.
     fn with_ball(name: &str) -> Self {
+        Self::with_ball_of(name, 12, 20)
+    }
+
+    /// The same with so many rings of so many vertices.
+    fn with_ball_of(name: &str, rings: usize, around: usize) -> Self {
         let folder = Self::new(name);
-        let (rings, around) = (12, 20);
         let point = |ring: usize, step: usize| {
             let (up, turn) = (ring as f64 / rings as f64, step as f64 / around as f64);
             let (theta, phi) = (up * std::f64::consts::PI, turn * std::f64::consts::TAU);
@@ -244,4 +248,49 @@ fn check_says_what_files_are() {
     assert!(content("inside.obj").findings[0].contains("3 edges border a hole"));
     let error = check_file(Path::new("a.docx")).unwrap_err().to_string();
     assert!(error.starts_with("a.docx: this kind of file is not known"), "{error}");
+}
+
+#[test]
+fn a_sphere_becomes_a_liver_on_tets_made_anew() {
+    let folder = Folder::with_ball_of("remesh", 18, 36);
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/liver/template.obj");
+    let liver = io::read_surface(&example).unwrap().mesh().unwrap();
+    let mut markers = String::from("x,y,z\n");
+    for p in liver.points.iter().step_by(10) {
+        writeln!(markers, "{},{},{}", p.x, p.y, p.z).unwrap();
+    }
+    folder.write("markers.csv", &markers);
+    let center = liver.points.iter().sum::<moulage::math::Vec3>() / liver.points.len() as f64;
+    let radius = (liver.volume() * 0.75 / std::f64::consts::PI).cbrt();
+    let mut sphere = String::new();
+    for line in folder.read("ball.obj").lines() {
+        let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+        if line.starts_with("v ") {
+            let p = center + moulage::math::Vec3::from_column_slice(&numbers[..3]) * radius / 10.0;
+            writeln!(sphere, "v {} {} {}", p.x, p.y, p.z).unwrap();
+        } else {
+            writeln!(sphere, "{line}").unwrap();
+        }
+    }
+    folder.write("ball.obj", &sphere);
+    folder.write("inside.obj", &sphere);
+    let more = "tet_count = 2000\ncarry = 'inside.obj'\ntets_out = 'tets.vtu'\nreport = 'report'\n";
+    let job = ReshapeJob { tolerance: None, ..folder.job(more) };
+    let report = run_reshape(&job, &Run::new()).unwrap().report;
+    assert_eq!(report.ending, Ending::Good, "{}", report.why);
+    assert_eq!(report.inverted_tets, 0);
+    let distance = report.marker_distance;
+    assert!(distance.before.mean > 15.0 && distance.after.mean < 0.4, "{distance:?}");
+    assert!(report.stretch_range[1] > 2.0, "the whole change is told: {:?}", report.stretch_range);
+    let page = folder.read("report/report.html");
+    assert_eq!(page.matches("Tets made anew").count(), report.remeshes.len());
+    let json: serde_json::Value = serde_json::from_str(&folder.read("report/report.json")).unwrap();
+    assert_eq!(json["remeshes"].as_array().unwrap().len(), report.remeshes.len());
+
+    // What lies on the template goes where the template goes, through all tets.
+    let points =
+        |name: &str| io::read_surface(&folder.0.join(name)).unwrap().mesh().unwrap().points;
+    let gaps = points("out.obj").into_iter().zip(points("out_inside.obj"));
+    let gap = gaps.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(gap < 1e-3, "{gap}");
 }

@@ -77,6 +77,9 @@ fn print(report: &Report) {
             println!("  suspect: '{}' is still {:.4} off", pair.label, pair.after);
         }
     }
+    for remesh in &report.remeshes {
+        println!("tets made anew {}", remesh.sentence());
+    }
     let [low, high] = report.stretch_range;
     println!(
         "{} tets by {}: {} inverted, stretches {low:.3} to {high:.3}",

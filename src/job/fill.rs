@@ -64,6 +64,13 @@ pub fn fill(job: &ReshapeJob, surface: &TriMesh, run: &Run) -> Result<Filling> {
     })
 }
 
+/// Makes tets for a shape that has left those of `job`; tets from a file serve only the template.
+pub fn fill_anew(job: &ReshapeJob, surface: &TriMesh, run: &Run) -> Result<Filling> {
+    let from_file = job.tets.as_deref().is_some_and(|how| how.extension().is_some());
+    let tets = if from_file { None } else { job.tets.clone() };
+    fill(&ReshapeJob { tets, ..job.clone() }, surface, run)
+}
+
 fn from_file(path: &Path, surface: &TriMesh) -> Result<Filling> {
     let made_by = path.display().to_string();
     let mesh = io::read_tets(path)?;

@@ -41,11 +41,8 @@ pub fn marker_distances(points: &[Vec3], triangles: &[[u32; 3]], markers: &[Vec3
     closest.closest_many(markers).into_iter().map(|hit| hit.map_or(0.0, |h| h.distance)).collect()
 }
 
-/// Distance of each pair's place to its target, before and after.
-pub fn pair_distances(pairs: &[Pair], before: &TetMesh, after: &[Vec3]) -> Vec<(f64, f64)> {
-    let positions: Vec<Vec3> = pairs.iter().map(|pair| pair.position).collect();
-    let Ok(embedding) = Embedding::new(before, &positions) else { return Vec::new() };
-    let moved = embedding.apply(after);
+/// Distance of each pair's place to its target, before and after it `moved`.
+pub fn pair_distances(pairs: &[Pair], moved: &[Vec3]) -> Vec<(f64, f64)> {
     pairs
         .iter()
         .zip(moved)
@@ -87,7 +84,15 @@ pub fn vertex_stretches(
     now: &[Vec3],
     embedding: &Embedding,
 ) -> (Vec<f64>, Vec<f64>) {
-    let gradients = deformation_gradients(rest, now);
+    stretches_of(&deformation_gradients(rest, now), rest, embedding)
+}
+
+/// The same from the deformation gradients of the tets.
+pub fn stretches_of(
+    gradients: &[Mat3],
+    rest: &TetMesh,
+    embedding: &Embedding,
+) -> (Vec<f64>, Vec<f64>) {
     let mut at_nodes = vec![(Vec3::zeros(), 0.0); rest.points.len()];
     for (t, tet) in rest.tets.iter().enumerate() {
         let (stretches, volume) = (principal_stretches(&gradients[t]), rest.volume(t));
@@ -128,12 +133,11 @@ mod tests {
     fn spreads_and_pairs_are_measured() {
         let spread = Spread::of(&[3.0, 1.0, 2.0]);
         assert_eq!(spread, Spread { mean: 2.0, p95: 3.0, max: 3.0 });
-        let mesh = tet();
         let position = Vec3::new(0.25, 0.25, 0.0);
         let target = position + Vec3::z();
         let pair = Pair { label: "a".into(), position, vertex: None, target, weight: 1.0 };
-        let lifted: Vec<Vec3> = mesh.points.iter().map(|p| p + Vec3::z() * 0.75).collect();
-        let (before, after) = pair_distances(&[pair], &mesh, &lifted)[0];
+        let lifted = [position + Vec3::z() * 0.75];
+        let (before, after) = pair_distances(&[pair], &lifted)[0];
         assert!((before - 1.0).abs() < 1e-12 && (after - 0.25).abs() < 1e-12);
     }
 }

@@ -23,6 +23,7 @@ mod refine;
 mod register_job;
 mod register_output;
 mod register_report;
+mod remesh;
 mod report;
 mod reshape_job;
 mod result;
@@ -63,6 +64,7 @@ pub use register_job::{
 };
 pub use register_output::{file_name, result_document, scene};
 pub use register_report::{RegisterReport, warnings as registration_warnings};
+pub use remesh::{Remesh, Shapeliness};
 pub use report::{Change, Ending, Iteration, PairLine, Report, Shapes, Stage};
 pub use reshape_job::{JobResult, run_reshape};
 pub use separate_job::{MovedBody, OverlapLine, SeparateJob, SeparationReport, run_separate};

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::fill::Filling;
 use super::inputs::Inputs;
 use super::measure::{distance_to_markers, principal_stretches};
+use super::remesh::Course;
 use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
 use crate::io::{DataArray, check_writable, write_ply, write_vtu};
-use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TriMesh};
 use crate::reshape::Reshaped;
 
@@ -64,20 +63,20 @@ pub(super) fn check_places(job: &ReshapeJob) -> Result<()> {
 }
 
 /// Writes all that `job` asks for; returns the files.
-pub(super) fn write(
-    job: &ReshapeJob,
-    inputs: &Inputs,
-    filling: &Filling,
-    outcome: &Outcome,
-) -> Result<Vec<PathBuf>> {
+pub(super) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Result<Vec<PathBuf>> {
+    let course = &outcome.course;
     let mut written = Vec::new();
     if let Some(out) = &job.out {
-        inputs.template.write_with_points(out, &outcome.reshaped.surface_points)?;
+        inputs.template.write_with_points(out, &course.reshaped.surface_points)?;
         written.push(out.clone());
-        written.extend(write_carried(out, inputs, filling, outcome)?);
+        written.extend(write_carried(out, inputs, course)?);
     }
     if let Some(path) = &job.tets_out {
-        write_deformed_tets(path, &filling.mesh, &filling.inside_fraction, &outcome.reshaped)?;
+        let points = course.rest_positions()?;
+        let rest = TetMesh { points, tets: course.filling.mesh.tets.clone() };
+        let mut reshaped = course.reshaped.clone();
+        reshaped.plastic_strain = course.plastic_strain();
+        write_deformed_tets(path, &rest, &course.filling.inside_fraction, &reshaped)?;
         written.push(path.clone());
     }
     let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
@@ -89,19 +88,13 @@ pub(super) fn write(
 }
 
 /// \[W\] 4.3: other meshes follow the tets they lie in; points outside follow the nearest tet.
-fn write_carried(
-    out: &Path,
-    inputs: &Inputs,
-    filling: &Filling,
-    outcome: &Outcome,
-) -> Result<Vec<PathBuf>> {
+fn write_carried(out: &Path, inputs: &Inputs, course: &Course) -> Result<Vec<PathBuf>> {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
     let mut written = Vec::new();
     for (path, file, points) in &inputs.carried {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let carried = out.with_file_name(format!("{stem}_{name}"));
-        let embedding = Embedding::new(&filling.mesh, points)?;
-        file.write_with_points(&carried, &embedding.apply(&outcome.reshaped.tet_points))?;
+        file.write_with_points(&carried, &course.carry(points)?)?;
         written.push(carried);
     }
     Ok(written)
@@ -139,7 +132,7 @@ pub fn write_deformed_tets(
 
 fn write_stretch(path: &Path, inputs: &Inputs, outcome: &Outcome) -> Result<()> {
     let mesh = TriMesh {
-        points: outcome.reshaped.surface_points.clone(),
+        points: outcome.course.reshaped.surface_points.clone(),
         triangles: inputs.surface.triangles.clone(),
     };
     let distance = distance_to_markers(&mesh.points, &outcome.markers);

@@ -9,6 +9,7 @@ use super::measure::{Spread, marker_distances};
 use super::output;
 use super::overlay::Person;
 use super::refine::{self, Refinement};
+use super::remesh::Course;
 use super::report::{Ending, Report, Stage};
 use super::result::Outcome;
 use super::spec::{Align, ReshapeJob};
@@ -51,19 +52,21 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     let mut filling = fill(job, &inputs.surface, run)?;
     inputs.warnings.append(&mut filling.warnings);
     clock.stop("tets");
-    let (mut problem, options) = (problem(&inputs, &filling), options(job));
-    let mut reshaped = reshape(&problem, &options, run)?;
+    let (problem, options) = (problem(&inputs, &filling), options(job, &inputs.surface));
+    let mut course = Course::run(job, problem, filling, &options, run)?;
+    inputs.warnings.append(&mut course.filling.warnings);
     clock.stop("solver");
     let mut refinement = None;
     if job.refine == Some(true) && !run.is_cancelled() {
-        refinement = Some(refine_problem(&mut problem, &person, &reshaped.surface_points)?);
-        reshaped = reshape(&problem, &options, run)?;
+        let points = &course.reshaped.surface_points;
+        refinement = Some(refine_problem(&mut course.problem, &person, points)?);
+        course.reshaped = reshape(&course.problem, &options, run)?;
         clock.stop("solver, with the image");
     }
-    let outcome = Outcome::new(&inputs, &filling, &problem, &options, reshaped);
-    let mut report = outcome.report(&inputs, &filling);
+    let outcome = Outcome::new(&inputs, &options, course);
+    let mut report = outcome.report(&inputs)?;
     let result = TriMesh {
-        points: outcome.reshaped.surface_points.clone(),
+        points: outcome.course.reshaped.surface_points.clone(),
         triangles: inputs.surface.triangles.clone(),
     };
     report.refinement = refinement;
@@ -72,14 +75,14 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         report.slices = person.figures(&result, Some(&inputs.surface), &outcome.markers)?;
     }
     run.enter("writing", 1.0);
-    report.written = output::write(job, &inputs, &filling, &outcome)?;
+    report.written = output::write(job, &inputs, &outcome)?;
     clock.stop("writing");
     report.stages = clock.stages;
     if let Some(folder) = &job.report {
         report.written.extend(["report.html", "report.json"].map(|name| folder.join(name)));
         report.write(folder, &outcome.shapes(&inputs))?;
     }
-    Ok(JobResult { points: outcome.reshaped.surface_points, report })
+    Ok(JobResult { points: outcome.course.reshaped.surface_points, report })
 }
 
 /// Adds to the problem what the image shows where the user marked nothing.
@@ -151,7 +154,8 @@ fn problem(inputs: &Inputs, filling: &Filling) -> Problem {
     problem
 }
 
-fn options(job: &ReshapeJob) -> Options {
+/// A template on new tets has another size, so that defaults relative to it are settled here.
+fn options(job: &ReshapeJob, template: &TriMesh) -> Options {
     let mut options = Options::default();
     set(&mut options.hard_attachments, job.hard_attachments);
     set(&mut options.paper, job.paper);
@@ -160,11 +164,14 @@ fn options(job: &ReshapeJob) -> Options {
     set(&mut options.poisson, job.poisson);
     set(&mut options.max_iterations, job.max_iterations);
     options.screening = job.screening;
-    options.tolerance = job.tolerance;
+    options.tolerance = job.tolerance.or(Some(template.diagonal() / TOLERANCES));
     options.landmark_tolerance = job.landmark_tolerance;
     options.attachment_tolerance = job.attachment_tolerance;
     options
 }
+
+/// The template's diagonal has so many tolerances by default, as in the solver.
+const TOLERANCES: f64 = 1000.0;
 
 fn set<T>(option: &mut T, wish: Option<T>) {
     if let Some(wish) = wish {

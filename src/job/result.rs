@@ -1,16 +1,14 @@
 //! What came out of the solver, measured.
 
-use super::fill::Filling;
 use super::inputs::{Inputs, Pair};
-use super::measure::{
-    Spread, deformation_gradients, marker_distances, pair_distances, principal_stretches,
-    vertex_stretches,
-};
+use super::measure::{Spread, marker_distances, pair_distances, principal_stretches, stretches_of};
+use super::remesh::Course;
 use super::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
-use crate::math::Vec3;
+use crate::error::Result;
+use crate::math::{Mat3, Vec3};
 use crate::mesh::quality::dihedral_angles;
 use crate::mesh::{TetMesh, TriMesh, signed_volume};
-use crate::reshape::{Options, Problem, Reshaped, Stop};
+use crate::reshape::{Options, Stop};
 
 /// A pair farther off than so many tolerances, and than so many times the median, is suspect.
 const SUSPECT: f64 = 5.0;
@@ -23,7 +21,7 @@ const BINS: usize = 18;
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The result itself.
-    pub reshaped: Reshaped,
+    pub course: Course,
     /// Marker positions.
     pub markers: Vec<Vec3>,
     /// Largest and smallest principal stretch per surface vertex.
@@ -35,41 +33,38 @@ pub struct Outcome {
 
 impl Outcome {
     /// Measures what the outputs need.
-    pub fn new(
-        inputs: &Inputs,
-        filling: &Filling,
-        problem: &Problem,
-        options: &Options,
-        reshaped: Reshaped,
-    ) -> Self {
-        let stretch = vertex_stretches(&filling.mesh, &reshaped.tet_points, &filling.embedding);
-        let tolerance = options.tolerance.unwrap_or(problem.surface.diagonal() * DEFAULT_TOLERANCE);
+    pub fn new(inputs: &Inputs, options: &Options, course: Course) -> Self {
+        let filling = &course.filling;
+        let stretch = stretches_of(&course.gradients(), &filling.mesh, &filling.embedding);
+        let tolerance = options.tolerance.unwrap_or(0.0);
         Self {
             markers: inputs.markers.iter().map(|m| m.position).collect(),
             landmark_tolerance: options.landmark_tolerance.unwrap_or(tolerance),
             attachment_tolerance: options.attachment_tolerance.unwrap_or(tolerance),
             tolerance,
             stretch,
-            reshaped,
+            course,
         }
     }
 
     /// The report, without stages and files.
-    pub fn report(&self, inputs: &Inputs, filling: &Filling) -> Report {
-        let summary = &self.reshaped.summary;
+    pub fn report(&self, inputs: &Inputs) -> Result<Report> {
+        let (filling, reshaped) = (&self.course.filling, &self.course.reshaped);
+        let summary = &reshaped.summary;
         let (ending, why) = ending(summary.stop);
         let distances = self.distances(inputs);
-        let inverted_tets = inverted(&filling.mesh, &self.reshaped.tet_points);
-        let now = &self.reshaped.tet_points;
+        let inverted_tets = inverted(&filling.mesh, &reshaped.tet_points);
+        let now = &reshaped.tet_points;
         let inside: Vec<usize> = (0..filling.mesh.tets.len())
             .filter(|&t| filling.inside_fraction[t] >= INSIDE)
             .collect();
         let pairs = |list: &[Pair], tolerance: f64| {
-            pair_lines(list, &pair_distances(list, &filling.mesh, now), tolerance)
+            let positions: Vec<Vec3> = list.iter().map(|pair| pair.position).collect();
+            let moved = self.course.carry(&positions)?;
+            Ok(pair_lines(list, &pair_distances(list, &moved), tolerance))
         };
-        let moved =
-            TriMesh { points: self.reshaped.surface_points.clone(), ..inputs.surface.clone() };
-        Report {
+        let moved = TriMesh { points: reshaped.surface_points.clone(), ..inputs.surface.clone() };
+        Ok(Report {
             version: env!("CARGO_PKG_VERSION"),
             template: inputs.template_path.clone(),
             ending,
@@ -89,21 +84,22 @@ impl Outcome {
                 after: Spread::of(&distances.after),
             },
             marker_distances: distances,
-            landmarks: pairs(&inputs.landmarks, self.landmark_tolerance),
-            attachments: pairs(&inputs.attachments, self.attachment_tolerance),
+            landmarks: pairs(&inputs.landmarks, self.landmark_tolerance)?,
+            attachments: pairs(&inputs.attachments, self.attachment_tolerance)?,
             min_dihedral_histogram: Change {
                 before: min_dihedrals(&filling.mesh, &filling.mesh.points, &inside),
                 after: min_dihedrals(&filling.mesh, now, &inside),
             },
             inverted_tets,
-            stretch_range: stretch_range(&filling.mesh, now, &inside),
+            stretch_range: stretch_range(&self.course.gradients(), &inside),
             volume_ratio: moved.volume() / inputs.surface.volume(),
             iterations: self.iterations(),
+            remeshes: self.course.remeshes.clone(),
             refinement: None,
             label_fit: None,
             slices: Vec::new(),
             written: Vec::new(),
-        }
+        })
     }
 
     /// Shapes for the pictures.
@@ -111,7 +107,7 @@ impl Outcome {
         Shapes {
             triangles: &inputs.surface.triangles,
             before: &inputs.surface.points,
-            after: &self.reshaped.surface_points,
+            after: &self.course.reshaped.surface_points,
             stretch: &self.stretch.0,
             markers: &self.markers,
         }
@@ -120,11 +116,14 @@ impl Outcome {
     fn distances(&self, inputs: &Inputs) -> Change<Vec<f64>> {
         let of =
             |points: &[Vec3]| marker_distances(points, &inputs.surface.triangles, &self.markers);
-        Change { before: of(&inputs.surface.points), after: of(&self.reshaped.surface_points) }
+        Change {
+            before: of(&inputs.surface.points),
+            after: of(&self.course.reshaped.surface_points),
+        }
     }
 
     fn iterations(&self) -> Vec<Iteration> {
-        let records = self.reshaped.summary.iterations.iter();
+        let records = self.course.reshaped.summary.iterations.iter();
         records
             .map(|r| Iteration {
                 data_scale: r.data_scale,
@@ -136,9 +135,6 @@ impl Outcome {
             .collect()
     }
 }
-
-/// The solver's own default, relative to the template's diagonal.
-const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 fn ending(stop: Stop) -> (Ending, &'static str) {
     match stop {
@@ -194,8 +190,7 @@ fn inverted(mesh: &TetMesh, points: &[Vec3]) -> usize {
     mesh.tets.iter().filter(|tet| volume(tet) <= 0.0).count()
 }
 
-fn stretch_range(mesh: &TetMesh, now: &[Vec3], inside: &[usize]) -> [f64; 2] {
-    let gradients = deformation_gradients(mesh, now);
+fn stretch_range(gradients: &[Mat3], inside: &[usize]) -> [f64; 2] {
     inside
         .iter()
         .map(|&t| principal_stretches(&gradients[t]))

@@ -127,6 +127,10 @@ pub struct ReshapeJob {
     /// Iterations allowed
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
     pub max_iterations: Option<usize>,
+    /// Make the tets anew where they get too flat to go on, so many times at most; 0: never
+    /// [default: 3]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
+    pub remesh: Option<usize>,
     /// Threads to use; the result does not depend on it [default: all cores]
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
     pub threads: Option<usize>,
@@ -221,6 +225,7 @@ impl ReshapeJob {
             screening,
             poisson,
             max_iterations,
+            remesh,
             threads,
             out,
             carry,

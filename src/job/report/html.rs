@@ -127,6 +127,9 @@ fn figures(report: &Report) -> String {
             report.tets, report.tet_vertices, report.tets_made_by
         ),
     );
+    for remesh in &report.remeshes {
+        row("Tets made anew", remesh.sentence());
+    }
     row("Inverted tets", report.inverted_tets.to_string());
     let [low, high] = report.stretch_range;
     row("Principal stretches", format!("{low:.3} to {high:.3}"));

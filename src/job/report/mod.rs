@@ -12,6 +12,7 @@ use super::label_fit::LabelFit;
 use super::measure::Spread;
 use super::overlay::SliceFigure;
 use super::refine::Refinement;
+use super::remesh::Remesh;
 use crate::error::Result;
 use crate::io::write_beside;
 use crate::math::Vec3;
@@ -123,6 +124,8 @@ pub struct Report {
     pub volume_ratio: f64,
     /// Each iteration.
     pub iterations: Vec<Iteration>,
+    /// Where the tets were made anew.
+    pub remeshes: Vec<Remesh>,
     /// What the image added to the user's markers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<Refinement>,
