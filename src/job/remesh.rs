@@ -99,7 +99,7 @@ impl Course {
         let (legs, remeshes) = (Vec::new(), Vec::new());
         let mut course = Self { filling, problem, reshaped, remeshes, legs, before };
         let most = job.remesh.unwrap_or(MOST);
-        while course.remeshes.len() < most && course.reshaped.summary.stop == Stop::NoStep {
+        while course.remeshes.len() < most && course.is_stuck(options) {
             // Whatever becomes of the next leg, the shape reached is not lost.
             let note = match course.fill_anew(job, run).and_then(|next| next.go_on(options, run)) {
                 Ok(next) if next.marker_distance() <= course.marker_distance() => {
@@ -117,6 +117,15 @@ impl Course {
             break;
         }
         Ok(course)
+    }
+
+    /// Whether the last iteration found no step, and the markers are not explained yet.
+    fn is_stuck(&self, options: &Options) -> bool {
+        let summary = &self.reshaped.summary;
+        let unmoved = matches!(&summary.iterations[..],
+            [.., a, b] if a.objective.total_cmp(&b.objective).is_eq());
+        let far = options.tolerance.is_some_and(|tolerance| self.marker_distance() > tolerance);
+        summary.stop == Stop::NoStep || summary.stop == Stop::Settled && unmoved && far
     }
 
     /// Mean distance of the markers at the end.
