@@ -223,7 +223,7 @@ fn what_cannot_be_parted_ends_with_no_worse_overlap() {
         surface: sphere(Vec3::new(x, 0.02, 0.01)),
     };
     let bones = [side(-0.9, "left bone"), side(0.9, "right bone")];
-    let options = Options { rings: 2, ..Options::default() };
+    let options = Options { rings: 2, max_rounds: 20, ..Options::default() };
     let result = separate(&bodies, &bones, &options, &Run::new()).unwrap();
     assert_no_tet_inverted(&bodies, &result);
     assert_eq!(result.ending, Ending::Stalled);

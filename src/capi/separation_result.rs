@@ -157,7 +157,7 @@ fn body_of(found: &MovedBody) -> MlgSeparatedBody {
         largest_move: found.largest_move,
         mean_marker_distance: distances(|s| s.mean),
         max_marker_distance: distances(|s| s.max),
-        markers_inside_obstacles: found.markers_inside_fixed as u32,
+        markers_inside_obstacles: found.contradicting_markers.len() as u32,
         reserved: 0,
     }
 }

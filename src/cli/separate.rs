@@ -28,7 +28,7 @@ pub fn run(job: &SeparateJob) -> Result<ExitCode> {
 }
 
 /// The lines about overlaps and bodies.
-fn print(report: &SeparationReport) {
+pub(super) fn print(report: &SeparationReport) {
     for line in &report.overlaps {
         let ([a, b], [before, after]) = (&line.between, line.depth);
         println!("{a} and {b}: overlap {before:.4} deep before, {after:.4} after");
@@ -44,10 +44,13 @@ fn print(report: &SeparationReport) {
                 before.mean, before.max, after.mean, after.max
             );
         }
-        if body.markers_inside_fixed > 0 {
+        if !body.contradicting_markers.is_empty() {
+            let named = body.contradicting_markers.iter();
+            let named: Vec<_> = named.map(|m| format!("{} ({})", m.marker, m.inside)).collect();
             println!(
-                "  {} more markers lie inside a bone and cannot be met",
-                body.markers_inside_fixed
+                "  {} markers lie inside a bone and cannot be met: {}",
+                named.len(),
+                named.join(", ")
             );
         }
     }

@@ -76,8 +76,17 @@ pub struct MovedBody {
     /// not move: a marker inside a bone cannot be met.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub marker_distance: Option<[Spread; 2]>,
-    /// Markers that lie inside something that does not move.
-    pub markers_inside_fixed: usize,
+    /// Markers that lie inside something that does not move. They contradict it and hold nothing.
+    pub contradicting_markers: Vec<ContradictingMarker>,
+}
+
+/// A marker that lies inside something that does not move.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContradictingMarker {
+    /// Its place among the body's markers, from 1.
+    pub marker: usize,
+    /// What it lies in.
+    pub inside: String,
 }
 
 /// What a separation did. Lengths in the bodies' unit.
@@ -104,9 +113,12 @@ pub struct SeparationReport {
 impl SeparationReport {
     /// Measures a separation of `bodies`.
     pub fn new(bodies: &[Body], obstacles: &[Obstacle], separation: &Separation) -> Self {
-        let walls: Vec<WindingNumber> = obstacles
+        let walls: Vec<(&str, WindingNumber)> = obstacles
             .iter()
-            .map(|o| WindingNumber::new(&o.surface.points, &o.surface.triangles))
+            .map(|o| {
+                let winding = WindingNumber::new(&o.surface.points, &o.surface.triangles);
+                (o.name.as_str(), winding)
+            })
             .collect();
         let moved =
             bodies.iter().enumerate().map(|(b, body)| moved_body(b, body, &walls, separation));
@@ -126,13 +138,19 @@ impl SeparationReport {
 fn moved_body(
     b: usize,
     body: &Body,
-    walls: &[WindingNumber],
+    walls: &[(&str, WindingNumber)],
     separation: &Separation,
 ) -> MovedBody {
     let now = &separation.tet_points[b];
     let deformed = TetMesh { points: now.clone(), tets: body.tets.tets.clone() };
-    let (inside, free): (Vec<Vec3>, Vec<Vec3>) =
-        body.markers.iter().partition(|p| walls.iter().any(|wall| wall.is_inside(p)));
+    let (mut contradicting_markers, mut free) = (Vec::new(), Vec::new());
+    for (m, place) in body.markers.iter().enumerate() {
+        match walls.iter().find(|(_, wall)| wall.is_inside(place)) {
+            Some((name, _)) => contradicting_markers
+                .push(ContradictingMarker { marker: m + 1, inside: (*name).to_owned() }),
+            None => free.push(*place),
+        }
+    }
     let distances = |points: &[Vec3]| Spread::of(&marker_distances(points, &body.triangles, &free));
     MovedBody {
         name: body.name.clone(),
@@ -146,7 +164,7 @@ fn moved_body(
                 distances(&separation.surface_points[b]),
             ]
         }),
-        markers_inside_fixed: inside.len(),
+        contradicting_markers,
     }
 }
 
@@ -169,36 +187,73 @@ fn overlap_lines(before: &[Overlap], after: &[Overlap]) -> Vec<OverlapLine> {
         .collect()
 }
 
+/// Where one body is read.
+pub(super) struct BodyFiles {
+    /// Its name.
+    pub name: String,
+    /// Its tets in their present shape.
+    pub tets: PathBuf,
+    /// Its surface; the tets' boundary if there is none.
+    pub surface: Option<PathBuf>,
+    /// File name for its surface in the new shape.
+    pub surface_name: Option<String>,
+    /// Its markers.
+    pub markers: Vec<PathBuf>,
+}
+
 /// Reads, separates and writes.
 pub fn run_separate(job: &SeparateJob, run: &Run) -> Result<SeparationReport> {
-    let started = std::time::Instant::now();
-    run.enter("reading", 0.0);
     check_counts(job)?;
-    let files = job.surfaces.iter().map(|p| read_surface(p)).collect::<Result<Vec<_>>>()?;
-    let mut bodies = Vec::new();
-    for (b, path) in job.bodies.iter().enumerate() {
-        bodies.push(read_body(path, files.get(b), job.markers.get(b))?);
-    }
-    let obstacles = read_obstacles(&job.fixed)?;
-    check_names(&bodies)?;
-    check_writable(&job.out.join("separation.json"))?;
+    let bodies: Vec<BodyFiles> = job
+        .bodies
+        .iter()
+        .enumerate()
+        .map(|(b, tets)| BodyFiles {
+            name: stem(tets),
+            tets: tets.clone(),
+            surface: job.surfaces.get(b).cloned(),
+            surface_name: (job.surfaces.get(b).and_then(|p| p.file_name()))
+                .map(|name| name.to_string_lossy().into_owned()),
+            markers: job.markers.get(b).cloned().into_iter().collect(),
+        })
+        .collect();
     let mut options = Options { gap: job.gap, ..Options::default() };
     options.rings = job.rings.unwrap_or(options.rings);
-    let separation = separate(&bodies, &obstacles, &options, run)?;
+    separate_files(&bodies, &job.fixed, &options, &job.out, run)
+}
+
+/// The same for bodies whose files are listed.
+pub(super) fn separate_files(
+    bodies: &[BodyFiles],
+    fixed: &[PathBuf],
+    options: &Options,
+    out: &Path,
+    run: &Run,
+) -> Result<SeparationReport> {
+    let started = std::time::Instant::now();
+    run.enter("reading", 0.0);
+    let files = bodies;
+    let surfaces = files
+        .iter()
+        .map(|f| f.surface.as_deref().map(read_surface).transpose())
+        .collect::<Result<Vec<_>>>()?;
+    let bodies: Vec<Body> = files
+        .iter()
+        .zip(&surfaces)
+        .map(|(files, surface)| read_body(files, surface.as_ref()))
+        .collect::<Result<_>>()?;
+    let obstacles = read_obstacles(fixed)?;
+    check_names(&bodies)?;
+    check_writable(&out.join("separation.json"))?;
+    let separation = separate(&bodies, &obstacles, options, run)?;
     let mut report = SeparationReport::new(&bodies, &obstacles, &separation);
     run.enter("writing", 1.0);
     for (b, body) in bodies.iter().enumerate() {
-        report.written.extend(write_body(
-            &job.out,
-            body,
-            files.get(b),
-            job.surfaces.get(b),
-            b,
-            &separation,
-        )?);
+        let surface = surfaces[b].as_ref().zip(files[b].surface_name.as_deref());
+        report.written.extend(write_body(out, body, surface, b, &separation)?);
     }
     report.seconds = started.elapsed().as_secs_f64();
-    let path = job.out.join("separation.json");
+    let path = out.join("separation.json");
     report.written.push(path.clone());
     write_beside(&path, |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;
@@ -232,15 +287,15 @@ fn check_names(bodies: &[Body]) -> Result<()> {
     Ok(())
 }
 
-fn read_body(path: &Path, file: Option<&SurfaceFile>, markers: Option<&PathBuf>) -> Result<Body> {
-    let tets = read_tets(path)?;
-    let name = stem(path);
-    let mut body = match file {
+fn read_body(files: &BodyFiles, surface: Option<&SurfaceFile>) -> Result<Body> {
+    let tets = read_tets(&files.tets)?;
+    let name = files.name.clone();
+    let mut body = match surface {
         Some(file) => Body::with_surface(name, tets, &file.mesh()?)?,
         None => Body::from_tets(name, tets)?,
     };
-    if let Some(path) = markers {
-        body.markers = read_markers(path)?.iter().map(|m| m.position).collect();
+    for path in &files.markers {
+        body.markers.extend(read_markers(path)?.iter().map(|m| m.position));
     }
     Ok(body)
 }
@@ -255,8 +310,7 @@ fn read_obstacles(paths: &[PathBuf]) -> Result<Vec<Obstacle>> {
 fn write_body(
     folder: &Path,
     body: &Body,
-    file: Option<&SurfaceFile>,
-    file_path: Option<&PathBuf>,
+    surface: Option<(&SurfaceFile, &str)>,
     b: usize,
     separation: &Separation,
 ) -> Result<Vec<PathBuf>> {
@@ -280,8 +334,8 @@ fn write_body(
         &[DataArray { name: "displacement", components: 3, values: &moves }],
     )?;
     let points = &separation.surface_points[b];
-    let surface = if let (Some(file), Some(path)) = (file, file_path) {
-        let out = folder.join(path.file_name().unwrap_or_default());
+    let surface = if let Some((file, name)) = surface {
+        let out = folder.join(name);
         file.write_with_points(&out, points)?;
         out
     } else {

@@ -88,9 +88,12 @@ impl ClosestPoints {
 
     /// Like [`Self::closest`], of the triangles whose outward side faces against `direction`. None if
     /// no triangle does.
-    pub fn closest_against(&self, p: &Vec3, direction: &Vec3) -> Option<SurfacePoint> {
-        self.closest_of(p, f64::INFINITY, |[a, b, c]| (b - a).cross(&(c - a)).dot(direction) < 0.0)
-            .filter(|found| found.distance.is_finite())
+    pub fn closest_against(&self, p: &Vec3, direction: &Vec3, cosine: f64) -> Option<SurfacePoint> {
+        let faces = |[a, b, c]: &[Vec3; 3]| {
+            let area = (b - a).cross(&(c - a));
+            area.dot(direction) < -cosine * area.norm()
+        };
+        self.closest_of(p, f64::INFINITY, faces).filter(|found| found.distance.is_finite())
     }
 
     /// [`Self::closest`] for many points, in parallel, in their order.
@@ -185,9 +188,9 @@ mod tests {
         let closest = ClosestPoints::new(&points, &triangles);
         let p = Vec3::new(0.0, 0.0, 0.4);
         assert!(closest.closest(&p).unwrap().position.z > 0.9);
-        let out = closest.closest_against(&p, &Vec3::z()).unwrap();
+        let out = closest.closest_against(&p, &Vec3::z(), 0.0).unwrap();
         assert!(out.position.z < 0.05, "{}", out.position);
-        assert!(closest.closest_against(&p, &Vec3::zeros()).is_none());
+        assert!(closest.closest_against(&p, &Vec3::zeros(), 0.0).is_none());
     }
 
     #[test]

@@ -4,17 +4,20 @@
 //! vertices are outside: for each pair of triangles that was found crossing, the axis along which
 //! the two overlap least (of those along which both part outwards) gives one more contact.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
 use super::overlap::crossings;
 use super::scene::{Body, Skin, near_pairs, surface_point};
-use super::way_out::ways_out;
+use super::way_out::{Shared, ways_out};
 use crate::fem::MaterialPoint;
 use crate::locate::closest_on_triangle;
 use crate::math::Vec3;
 use crate::mesh::adjacency::Lists;
+
+/// A vertex leaves through triangles whose normals lie within this cosine of its way out.
+const FACING: f64 = 0.5;
 
 /// Distance of two points along a fixed normal; at least one of them moves.
 pub(super) struct Contact {
@@ -55,8 +58,17 @@ impl Found {
     }
 }
 
+/// What is kept from look to look.
+#[derive(Default)]
+pub(super) struct Memory {
+    /// Pairs of triangles that were found crossing.
+    crossed: BTreeSet<TrianglePair>,
+    /// What the first surface shares with the second, since their overlap was first seen.
+    shared: BTreeMap<(usize, usize), Shared>,
+}
+
 /// Triangle `.1` of surface `.0` against triangle `.3` of surface `.2`.
-pub(super) type TrianglePair = (usize, u32, usize, u32);
+type TrianglePair = (usize, u32, usize, u32);
 
 /// A point of a surface.
 struct Place {
@@ -76,36 +88,48 @@ pub(super) struct Detector<'a> {
 }
 
 impl Detector<'_> {
-    /// Finds all contacts; pairs of triangles that cross are remembered in `crossed`.
-    pub fn look(&self, skins: &[Skin], crossed: &mut BTreeSet<TrianglePair>) -> Found {
+    /// Finds all contacts.
+    pub fn look(&self, skins: &[Skin], memory: &mut Memory) -> Found {
         let mut found = Found { contacts: Vec::new(), seeds: vec![Vec::new(); self.bodies.len()] };
         for (i, j) in near_pairs(skins, self.margin) {
-            for (s, o) in [(i, j), (j, i)] {
-                self.vertices(skins, s, o, &mut found);
+            let inside =
+                [vertices_inside(&skins[i], &skins[j]), vertices_inside(&skins[j], &skins[i])];
+            for (s, o, own, others) in [(i, j, 0, 1), (j, i, 1, 0)] {
+                let marks = (&inside[own][..], &inside[others][..]);
+                if !inside.iter().flatten().any(|&is_inside| is_inside) {
+                    memory.shared.remove(&(s, o));
+                }
+                let shared = memory
+                    .shared
+                    .entry((s, o))
+                    .or_insert_with(|| Shared::new(&skins[s], &skins[o], marks));
+                self.vertices(skins, (s, o), marks.0, shared, &mut found);
             }
             for (t, u) in crossings(&skins[i], &skins[j]) {
-                crossed.insert((i, t, j, u));
+                memory.crossed.insert((i, t, j, u));
                 self.seed(skins, i, t, &mut found);
                 self.seed(skins, j, u, &mut found);
             }
         }
-        for &(i, t, j, u) in &*crossed {
+        for &(i, t, j, u) in &memory.crossed {
             let contact = self.triangles(skins, (i, t), (j, u));
             found.contacts.extend(contact.filter(|c| c.distance < self.margin));
         }
         found
     }
 
-    /// Vertices of surface `s` against the triangles of surface `o`.
-    fn vertices(&self, skins: &[Skin], s: usize, o: usize, found: &mut Found) {
+    /// Vertices of surface `s`, of which `inside` marks those in `o`, against the triangles of `o`.
+    fn vertices(
+        &self,
+        skins: &[Skin],
+        (s, o): (usize, usize),
+        inside: &[bool],
+        shared: &Shared,
+        found: &mut Found,
+    ) {
         let (skin, other) = (&skins[s], &skins[o]);
         let first_triangle = first_triangles(skin);
-        let inside: Vec<bool> = (0..skin.points.len())
-            .into_par_iter()
-            .with_min_len(64)
-            .map(|v| first_triangle[v] != u32::MAX && other.solid.holds(&skin.points[v]))
-            .collect();
-        let ways = ways_out(skin, other, &inside, &self.graphs[s]);
+        let ways = ways_out(skin, other, inside, shared, &self.graphs[s]);
         let hits: Vec<_> = (0..skin.points.len())
             .into_par_iter()
             .with_min_len(64)
@@ -142,7 +166,7 @@ impl Detector<'_> {
         let is_inside = way.is_some();
         let hit = match way {
             Some(way) => {
-                let facing = other.solid.closest.closest_against(p, &-way);
+                let facing = other.solid.closest.closest_against(p, &-way, FACING);
                 facing.or_else(|| other.solid.closest.closest(p))?
             }
             None => other.solid.closest.closest_within(p, self.margin)?,
@@ -215,6 +239,16 @@ impl Detector<'_> {
             found.seeds[b].extend(corners.iter().flat_map(|&v| embedding.vertices[v as usize]));
         }
     }
+}
+
+/// Which vertices of `skin` lie inside `other`.
+fn vertices_inside(skin: &Skin, other: &Skin) -> Vec<bool> {
+    let first_triangle = first_triangles(skin);
+    (0..skin.points.len())
+        .into_par_iter()
+        .with_min_len(64)
+        .map(|v| first_triangle[v] != u32::MAX && other.solid.holds(&skin.points[v]))
+        .collect()
 }
 
 /// A triangle of each vertex; `u32::MAX` without one.

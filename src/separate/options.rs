@@ -17,7 +17,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { gap: None, rings: 5, poisson: 0.3, max_rounds: 40 }
+        Self { gap: None, rings: 5, poisson: 0.3, max_rounds: 80 }
     }
 }
 

@@ -1,10 +1,8 @@
 //! Rounds of finding contacts and solving for the shape that keeps them apart.
 
-use std::collections::BTreeSet;
-
 use serde::Serialize;
 
-use super::contacts::{Detector, Found};
+use super::contacts::{Detector, Found, Memory};
 use super::energy::{Elasticity, Energy};
 use super::options::Options;
 use super::overlap::{Overlap, overlaps};
@@ -12,7 +10,7 @@ use super::patch::Patch;
 use super::scene::{Body, Obstacle, Skin, surface_point};
 use crate::error::{Error, Result};
 use crate::fem::{MaterialPoint, Spring, solve_vectors};
-use crate::locate::ClosestPoints;
+use crate::locate::{ClosestPoints, WindingNumber};
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -21,21 +19,23 @@ use crate::run::Run;
 
 type Tissue = InversionBarrier<StableNeoHookean>;
 
-/// Elements compressed below this share of their volume are held back by a barrier of this
-/// strength (in units of Young's modulus), so that none inverts.
-const BARRIER_START: f64 = 0.3;
-const BARRIER_STRENGTH: f64 = 1.0;
+/// Elements compressed below this share of their volume are held back by a barrier, so that none
+/// inverts. Its strength is this share of the contacts' stiffness (in the same units, at least Young's
+/// modulus): were it weaker, contacts would crush the tets next to them, and these then end each Newton
+/// step long before the tissue behind them has moved.
+const BARRIER_START: f64 = 0.6;
+const BARRIER_SHARE: f64 = 0.5;
 
 /// The gap, relative to the bodies' median diagonal.
 const GAP: f64 = 1.0 / 2000.0;
 
 /// A contact is opened by this share of the mean edge per round, so that deep overlaps are left in
 /// small steps.
-const OPENING: f64 = 0.5;
+const OPENING: f64 = 0.25;
 
 /// Stiffness of a contact in units of Young's modulus times the mean edge: at first, its growth per
 /// round, at most.
-const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 2e4];
+const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 500.0];
 
 /// Stiffness of a marker's hold, in the same unit.
 const MARKER_STIFFNESS: f64 = 1.0;
@@ -168,7 +168,7 @@ impl<'a> Solver<'a> {
     /// Until nothing overlaps, nothing improves, or the rounds run out; returns their number.
     fn run_rounds(&mut self) -> Result<(usize, Ending)> {
         let mut patch = Patch::new(self.bodies, self.options.rings);
-        let mut crossed = BTreeSet::new();
+        let mut memory = Memory::default();
         let graphs = self.graphs();
         let [first, growth, most] = CONTACT_STIFFNESS;
         let most_rounds = self.options.max_rounds;
@@ -192,7 +192,7 @@ impl<'a> Solver<'a> {
                 graphs: &graphs,
                 margin,
             };
-            let found = detector.look(&skins, &mut crossed);
+            let found = detector.look(&skins, &mut memory);
             if found.is_clear() {
                 return Ok((round, Ending::Parted));
             }
@@ -225,7 +225,7 @@ impl<'a> Solver<'a> {
 
     /// Newton's method for the contacts of one round.
     fn relax(&mut self, patch: &Patch, found: &Found, stiffness: f64) -> Result<()> {
-        let elasticity = self.elasticity(patch);
+        let elasticity = self.elasticity(patch, stiffness);
         let opening = OPENING * self.mean_edge;
         let energy = Energy {
             elasticity: &elasticity,
@@ -259,11 +259,11 @@ impl<'a> Solver<'a> {
         Ok(())
     }
 
-    fn elasticity(&self, patch: &Patch) -> Elasticity<Tissue> {
+    fn elasticity(&self, patch: &Patch, stiffness: f64) -> Elasticity<Tissue> {
         let material = InversionBarrier::new(
             StableNeoHookean::new(1.0, self.options.poisson),
             BARRIER_START,
-            BARRIER_STRENGTH,
+            (BARRIER_SHARE * stiffness / self.mean_edge).max(1.0),
         );
         let is_free: Vec<bool> = patch.free.iter().flatten().copied().collect();
         let springs = self.marker_springs();
@@ -271,13 +271,21 @@ impl<'a> Solver<'a> {
         Elasticity::new(material, &self.tets, springs, places, pull, &is_free)
     }
 
-    /// The surface points nearest to the markers are held where they are.
+    /// The surface points nearest to the markers are held where they are. Markers inside an obstacle
+    /// hold nothing: the obstacle is right.
     fn marker_springs(&self) -> Vec<Spring> {
         let mut springs = Vec::new();
+        let walls: Vec<WindingNumber> = self
+            .obstacles
+            .iter()
+            .map(|o| WindingNumber::new(&o.surface.points, &o.surface.triangles))
+            .collect();
         for (body, &first) in self.bodies.iter().zip(&self.first_vertex) {
             let surface = body.surface_points(&body.tets.points);
             let closest = ClosestPoints::new(&surface, &body.triangles);
-            for hit in closest.closest_many(&body.markers).into_iter().flatten() {
+            let in_wall = |p: &&Vec3| walls.iter().any(|wall| wall.is_inside(p));
+            let markers: Vec<Vec3> = body.markers.iter().filter(|p| !in_wall(p)).copied().collect();
+            for hit in closest.closest_many(&markers).into_iter().flatten() {
                 let MaterialPoint(mut entries) =
                     surface_point(body, hit.triangle, &hit.barycentric);
                 for entry in &mut entries {
