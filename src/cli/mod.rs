@@ -3,6 +3,7 @@
 //! Exit codes: 0 good, 1 bad input, 2 the solver gave up (the result is written), 130 interrupted.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod anatomy;
 mod batch;
 mod check;
 mod convert;
@@ -42,6 +43,8 @@ enum Command {
     Register(Box<moulage::job::RegisterJob>),
     /// Run many job files; what is done already is kept, and a case that fails stops no other
     Batch(moulage::job::BatchJob),
+    /// Put all organs or muscles of one person into shape: bones, each object, no overlaps
+    Anatomy(anatomy::Arguments),
     /// Push apart bodies of tets that overlap each other or bones
     Separate(moulage::job::SeparateJob),
     /// Fill a surface with tets and print their quality
@@ -79,6 +82,7 @@ pub fn main() -> ExitCode {
         Command::Reshape(arguments) => reshape::run(*arguments),
         Command::Register(job) => register::run(&job),
         Command::Batch(job) => batch::run(&job),
+        Command::Anatomy(arguments) => anatomy::run(&arguments),
         Command::Separate(job) => separate::run(&job),
         Command::Tetrahedralize(arguments) => tetrahedralize::run(&arguments),
         Command::Track(job) => track::run(&job),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::batch::{Case, Status};
+use super::case::{Case, Status};
 use super::output::stem;
 use super::report::picture::{Colour, View, draw};
 use super::statistics::ShapeStatistics;

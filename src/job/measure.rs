@@ -1,6 +1,6 @@
 //! Figures of a result: distances, stretches, tet angles.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::inputs::Pair;
 use crate::locate::{ClosestPoints, Embedding, NearestPoints};
@@ -8,7 +8,7 @@ use crate::math::{Mat3, Vec3};
 use crate::mesh::TetMesh;
 
 /// Mean, 95th percentile and largest of some distances, in the template's unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Mean.
     pub mean: f64,

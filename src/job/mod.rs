@@ -1,9 +1,14 @@
 //! A run described as data: read, check, run, write, report.
 
+mod anatomy_job;
+mod anatomy_page;
+mod anatomy_report;
+mod anatomy_spec;
 mod attach;
 mod batch;
 mod batch_summary;
 mod bvh_motion;
+mod case;
 mod check_files;
 mod convert;
 mod fill;
@@ -36,9 +41,13 @@ mod statistics;
 mod threads;
 mod track_job;
 
+pub use anatomy_job::run_anatomy;
+pub use anatomy_report::{AnatomyReport, ObjectLine};
+pub use anatomy_spec::{AnatomyJob, Object};
 pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
-pub use batch::{BatchJob, Case, CaseRecord, Status, run_batch};
+pub use batch::{BatchJob, run_batch};
 pub use bvh_motion::{bvh_of_motion, motion_of_bvh};
+pub use case::{Case, CaseRecord, Status};
 pub use check_files::{FileCheck, check_file};
 pub use convert::{
     Conversion, convert, metres_per_unit, read_osim_skeleton, unknown_angles, write_motion_file,
@@ -67,7 +76,9 @@ pub use register_report::{RegisterReport, warnings as registration_warnings};
 pub use remesh::{Remesh, Shapeliness};
 pub use report::{Change, Ending, Iteration, PairLine, Report, Shapes, Stage};
 pub use reshape_job::{JobResult, run_reshape};
-pub use separate_job::{MovedBody, OverlapLine, SeparateJob, SeparationReport, run_separate};
+pub use separate_job::{
+    ContradictingMarker, MovedBody, OverlapLine, SeparateJob, SeparationReport, run_separate,
+};
 pub use slice_job::{MarkersJob, SliceJob, run_markers, run_slice};
 pub use spec::{Align, Gap, ReshapeJob};
 pub use track_job::{TrackJob, TrackedFrame, run_track};

@@ -30,6 +30,11 @@ pub(super) fn read_job(path: &Path) -> Result<(ReshapeJob, String)> {
 pub(super) fn inputs(job: &ReshapeJob) -> Result<Vec<InputFile>> {
     let mut paths = Vec::new();
     reshape_inputs(job, &mut paths);
+    hash_files(paths)
+}
+
+/// Each path once, sorted, with its hash.
+pub(super) fn hash_files(mut paths: Vec<PathBuf>) -> Result<Vec<InputFile>> {
     paths.sort();
     paths.dedup();
     paths.into_iter().map(|path| Ok(InputFile { sha256: hash_path(&path)?, path })).collect()

@@ -154,7 +154,9 @@ pub struct ReshapeJob {
 }
 
 /// A list may be written as one text.
-fn one_or_many<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Vec<PathBuf>>, D::Error> {
+pub(super) fn one_or_many<'de, D: Deserializer<'de>>(
+    value: D,
+) -> Result<Option<Vec<PathBuf>>, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
     enum OneOrMany {
@@ -235,7 +237,8 @@ impl ReshapeJob {
         )
     }
 
-    fn relative_to(mut self, folder: &Path) -> Self {
+    /// The same with paths that start at `folder`.
+    pub(super) fn relative_to(mut self, folder: &Path) -> Self {
         let lists = [
             &mut self.markers,
             &mut self.landmarks,

@@ -6,7 +6,7 @@ mod plots;
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::label_fit::LabelFit;
 use super::measure::Spread;
@@ -54,7 +54,7 @@ pub struct Iteration {
 }
 
 /// Something before and after the run.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Change<T> {
     /// Of the template.
     pub before: T,
