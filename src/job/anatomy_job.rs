@@ -20,9 +20,9 @@ use crate::run::Run;
 use crate::separate::Options;
 
 /// Memory that reshaping takes at its peak, beside what each tet takes; measured, docs/many.md.
-const BYTES_PER_OBJECT: u64 = 30_000_000;
+const BYTES_PER_OBJECT: u64 = 85_000_000;
 /// The same, per tet.
-const BYTES_PER_TET: u64 = 60_000;
+const BYTES_PER_TET: u64 = 6_500;
 /// Tets where a job names no count.
 const USUAL_TETS: usize = 15_000;
 /// How often the run is looked after while a part of the job runs.

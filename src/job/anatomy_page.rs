@@ -12,6 +12,7 @@ use super::measure::Spread;
 use super::report::picture::{Colour, View, draw};
 use super::separate_job::SeparationReport;
 use crate::error::Result;
+use crate::io::markup::escaped;
 use crate::io::read_surface;
 use crate::mesh::TriMesh;
 
@@ -41,7 +42,7 @@ pub(super) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Res
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>moulage: anatomy</title>\
          <style>body{font:15px/1.45 system-ui,sans-serif;max-width:80rem;margin:2rem auto;padding:0 1rem}\
          table{border-collapse:collapse}td,th{padding:.2rem .9rem .2rem 0;text-align:left;border-bottom:1px solid #ddd}\
-         td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}img{width:440px;max-width:100%}\
+         td:first-child,td.n{white-space:nowrap}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}img{width:440px;max-width:100%}\
          .bad{color:#a11}.doubtful{color:#955b00}.good{color:#176b2c}ul{background:#fff6e0;padding:.6rem 1rem .6rem 2rem}\
          i.c{display:inline-block;width:.8em;height:.8em;margin-right:.5em}</style></head><body>\n",
     );
@@ -67,7 +68,7 @@ pub(super) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Res
     if !notes.is_empty() {
         html.push_str("<ul>");
         for note in &notes {
-            let _ = write!(html, "<li>{}</li>", escape(note));
+            let _ = write!(html, "<li>{}</li>", escaped(note));
         }
         html.push_str("</ul>\n");
     }
@@ -144,7 +145,7 @@ fn object(o: &ObjectLine, colour: Colour) -> String {
         Some(Status::Failed) => ("bad", "failed"),
         None => ("bad", "not done"),
     };
-    let name = escape(&o.name);
+    let name = escaped(&o.name);
     let kept = if o.kept { ", kept" } else { "" };
     let mut row = format!("<tr><td><i class=c style=\"background:rgb({r},{g},{b})\"></i>");
     let _ = match &o.figures {
@@ -165,7 +166,7 @@ fn object(o: &ObjectLine, colour: Colour) -> String {
             )
         }
     };
-    let _ = writeln!(row, "<td class=n>{:.1}<td>{}</tr>", o.seconds, escape(&o.message));
+    let _ = writeln!(row, "<td class=n>{:.1}<td>{}</tr>", o.seconds, escaped(&o.message));
     row
 }
 
@@ -184,8 +185,8 @@ fn separated(separation: &SeparationReport) -> String {
         let _ = write!(
             html,
             "<tr><td>{} and {}<td class=n>{:.3}<td class=n>{:.3}<td class=n>{}<td class=n>{}</tr>",
-            escape(a),
-            escape(b),
+            escaped(a),
+            escaped(b),
             line.depth[0],
             line.depth[1],
             line.crossings[0],
@@ -203,7 +204,7 @@ fn separated(separation: &SeparationReport) -> String {
         let _ = write!(
             html,
             "<tr><td>{}<td class=n>{} of {}<td class=n>{:.3}<td class=n>{}<td class=n>{}<td class=n>{}<td class=n>{}</tr>",
-            escape(&body.name),
+            escaped(&body.name),
             body.moved,
             body.vertices,
             body.largest_move,
@@ -215,8 +216,4 @@ fn separated(separation: &SeparationReport) -> String {
     }
     html.push_str("</table>\n");
     html
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

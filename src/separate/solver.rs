@@ -10,7 +10,7 @@ use super::patch::Patch;
 use super::scene::{Body, Obstacle, Skin, surface_point};
 use crate::error::{Error, Result};
 use crate::fem::{MaterialPoint, Spring, solve_vectors};
-use crate::locate::{ClosestPoints, WindingNumber};
+use crate::locate::{ClosestPoints, Solid};
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -275,15 +275,15 @@ impl<'a> Solver<'a> {
     /// hold nothing: the obstacle is right.
     fn marker_springs(&self) -> Vec<Spring> {
         let mut springs = Vec::new();
-        let walls: Vec<WindingNumber> = self
+        let walls: Vec<Solid> = self
             .obstacles
             .iter()
-            .map(|o| WindingNumber::new(&o.surface.points, &o.surface.triangles))
+            .map(|o| Solid::new(&o.surface.points, &o.surface.triangles))
             .collect();
         for (body, &first) in self.bodies.iter().zip(&self.first_vertex) {
             let surface = body.surface_points(&body.tets.points);
             let closest = ClosestPoints::new(&surface, &body.triangles);
-            let in_wall = |p: &&Vec3| walls.iter().any(|wall| wall.is_inside(p));
+            let in_wall = |p: &&Vec3| walls.iter().any(|wall| wall.holds(p));
             let markers: Vec<Vec3> = body.markers.iter().filter(|p| !in_wall(p)).copied().collect();
             for hit in closest.closest_many(&markers).into_iter().flatten() {
                 let MaterialPoint(mut entries) =
