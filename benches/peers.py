@@ -127,4 +127,5 @@ def main(template, markers, truth, result=None, fixed=None):
         report("moulage", read_obj(result)[0], 0)
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])
