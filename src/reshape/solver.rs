@@ -24,6 +24,9 @@ const DATA_SCALE_GROWTH: f64 = 4.0;
 /// Raising it sooner leaves markers caught in wrong matches.
 const LEVEL_DECREASE: f64 = 0.2;
 
+/// After a smaller relative decrease at the full weight, no better step is a good end.
+const SETTLING_DECREASE: f64 = 0.05;
+
 /// Two relative decreases of the objective below this, one after the other, end the run.
 const SMALL_DECREASE: f64 = 0.01;
 
@@ -146,7 +149,7 @@ impl<'a> Solver<'a> {
     /// Gauss-Newton with a growing weight of the markers.
     fn minimize(&mut self, mut state: State) -> Result<State> {
         let (mut scale, mut small_decreases) = (FIRST_DATA_SCALE, 0);
-        // Whether a step at the full weight has gained little already: where markers change their
+        // Whether the last step, at the full weight, gained little: where markers change their
         // matches, the objective has kinks, and then no better step is no fault.
         let mut settling = false;
         loop {
@@ -162,7 +165,9 @@ impl<'a> Solver<'a> {
             }
             let small = decrease.unwrap_or(0.0) < SMALL_DECREASE;
             small_decreases = if small { small_decreases + 1 } else { 0 };
-            settling |= scale >= 1.0 && decrease.is_some_and(|d| d < LEVEL_DECREASE);
+            if let Some(decrease) = decrease {
+                settling = scale >= 1.0 && decrease < SETTLING_DECREASE;
+            }
             if scale >= 1.0 && (small_decreases == 2 || decrease.is_none()) {
                 self.record(&state, scale);
                 self.summary.stop = self.verdict(settling);
