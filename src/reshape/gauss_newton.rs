@@ -33,9 +33,9 @@ use crate::solve::{Real, RoundedFactor, SaddleFactor, SaddleSystem};
 /// any time.
 const MAX_STEPS: usize = 40;
 
-/// Trace of H^T H up to which I + share H^T H is made in single precision: its smallest eigenvalues,
-/// near 1, must stand out of the rounding of the largest.
-const SINGLE_PRECISION_TRACE: f64 = 1e8;
+/// Trace of H^T H up to which H may be rounded to single precision: beyond, what a direction misses is
+/// no longer found by corrections.
+const SINGLE_PRECISION_TRACE: f64 = 1e9;
 
 /// A change of the plastic strain and, for a free body, a rigid motion (translation, rotation
 /// vector about the linearization's centre).
@@ -74,10 +74,10 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         smoothness: &'a StrainSmoothness,
     ) -> Self {
         let few = representatives.unwrap_or(rows);
-        let mut system = dual_system(at, &at.single, few, smoothness);
-        if system.trace() > SINGLE_PRECISION_TRACE {
-            system = dual_system(at, &at.stiffness.rounded::<f64>(), few, smoothness);
-        }
+        let single = dual_system(at, &at.single, few, smoothness, SINGLE_PRECISION_TRACE);
+        let double =
+            || dual_system(at, &at.stiffness.rounded::<f64>(), few, smoothness, f64::INFINITY);
+        let system = single.unwrap_or_else(|| double().expect("no trace is too large"));
         Self { at, rows, representatives, smoothness, system }
     }
 
@@ -268,14 +268,19 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     }
 }
 
-/// The system of `rows` in the precision of `stiffness`.
+/// The system of `rows`, H in the precision of `stiffness`; `None` where the trace of H^T H is beyond
+/// `largest_trace`.
 fn dual_system<M: IsotropicDensity, T: Real>(
     at: &Linearization<M>,
     stiffness: &RoundedFactor<T>,
     rows: &Rows,
     smoothness: &StrainSmoothness,
-) -> SaddleSystem {
+    largest_trace: f64,
+) -> Option<SaddleSystem> {
     let (half, constants) = at.half_inverse(stiffness, rows, smoothness);
+    if half.squared_norm() > largest_trace {
+        return None;
+    }
     let mut free = Vec::new();
     if smoothness.is_singular() {
         free.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
@@ -283,7 +288,7 @@ fn dual_system<M: IsotropicDensity, T: Real>(
     if at.body.is_free() {
         free.extend(at.rigid_columns(rows));
     }
-    SaddleSystem::new(&half, free)
+    Some(SaddleSystem::new(&half, free))
 }
 
 impl Unknowns {

@@ -18,7 +18,7 @@ use super::summary::{IterationRecord, Stop, Summary};
 
 /// The markers' weight starts at this share of its final value and grows by the factor below.
 const FIRST_DATA_SCALE: f64 = 1e-4;
-const DATA_SCALE_GROWTH: f64 = 4.0;
+const DATA_SCALE_GROWTH: f64 = 8.0;
 
 /// The markers' weight grows when the last step lowered the objective by less than this share.
 /// Raising it sooner leaves markers caught in wrong matches.

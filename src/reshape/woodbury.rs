@@ -71,7 +71,7 @@ fn lemma(smoothness: &StrainSmoothness, b: &[Sym3]) -> Vec<Sym3> {
 fn capacity(half: &ColumnBlocks<'_, f64>, constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
     let q = constants.len();
     let mut gram = Mat::zeros(q, q);
-    half.add_gram_lower(&mut gram);
+    half.add_gram_lower::<f64>(&mut gram);
     let z_psi = |i: usize, p: usize| constants[i][p] / (carriers as f64).sqrt();
     Mat::from_fn(q + 6, q + 6, |i, j| match (i < q, j < q) {
         (true, true) => {

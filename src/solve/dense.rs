@@ -48,13 +48,21 @@ impl<'m, T: Real> ColumnBlocks<'m, T> {
         self.columns
     }
 
+    /// Sum of the squares of all entries, the trace of A^T A.
+    pub fn squared_norm(&self) -> f64 {
+        let square = |value: &T| value.to_f64() * value.to_f64();
+        let sums: Vec<f64> =
+            self.blocks.par_iter().map(|block| block.iter().map(square).sum()).collect();
+        sums.iter().sum()
+    }
+
     /// gram += A^T A in its lower triangle. Parallel over blocks of the result, each summed in row
-    /// order, panels in double precision.
-    pub fn add_gram_lower(&self, gram: &mut Mat<f64>) {
+    /// order: panels in the precision P, their sums in double precision.
+    pub fn add_gram_lower<P: Real>(&self, gram: &mut Mat<f64>) {
         let pairs: Vec<(usize, usize)> =
             (0..self.blocks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
         let products: Vec<Mat<f64>> =
-            pairs.par_iter().map(|&(i, j)| self.block_product(i, j)).collect();
+            pairs.par_iter().map(|&(i, j)| self.block_product::<P>(i, j)).collect();
         for (&(i, j), block) in pairs.iter().zip(&products) {
             let (i, j) = (i * Self::WIDTH, j * Self::WIDTH);
             let mut part = gram.as_mut().submatrix_mut(i, j, block.nrows(), block.ncols());
@@ -63,17 +71,21 @@ impl<'m, T: Real> ColumnBlocks<'m, T> {
     }
 
     /// A_i^T A_j for two blocks.
-    fn block_product(&self, i: usize, j: usize) -> Mat<f64> {
+    fn block_product<P: Real>(&self, i: usize, j: usize) -> Mat<f64> {
         let width = |k: usize| Self::WIDTH.min(self.columns - k * Self::WIDTH);
-        let view = |k: usize| MatRef::from_row_major_slice(&self.blocks[k], self.rows, width(k));
-        let (left, right) = (view(i), view(j));
         let mut product = Mat::<f64>::zeros(width(i), width(j));
-        let mut part = Mat::<T>::zeros(width(i), width(j));
+        let mut part = Mat::<P>::zeros(width(i), width(j));
+        let (mut left, mut right) = (Vec::new(), Vec::new());
         for start in (0..self.rows).step_by(PANEL) {
             let height = PANEL.min(self.rows - start);
-            let left = left.subrows(start, height).transpose();
-            let right = right.subrows(start, height);
-            matmul(part.as_mut(), Accum::Replace, left, right, T::from_f64(1.0), Par::Seq);
+            for (k, panel) in [(i, &mut left), (j, &mut right)] {
+                let rows = &self.blocks[k][start * width(k)..][..height * width(k)];
+                panel.clear();
+                panel.extend(rows.iter().map(|value| P::from_f64(value.to_f64())));
+            }
+            let left = MatRef::from_row_major_slice(&left, height, width(i)).transpose();
+            let right = MatRef::from_row_major_slice(&right, height, width(j));
+            matmul(part.as_mut(), Accum::Replace, left, right, P::from_f64(1.0), Par::Seq);
             for c in 0..width(j) {
                 for r in 0..width(i) {
                     product[(r, c)] += part[(r, c)].to_f64();

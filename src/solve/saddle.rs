@@ -9,6 +9,10 @@ use crate::error::Result;
 /// Relative size of the shift that makes a rank-deficient Schur complement solvable.
 const SCHUR_SHIFT: f64 = 1e-12;
 
+/// Trace of H^T H up to which its products may be rounded to single precision: beyond, their rounding
+/// outweighs the I that is added.
+const SINGLE_PRECISION_TRACE: f64 = 1e8;
+
 /// The matrix [ I + share H^T H, P; P^T, 0 ], for any share.
 pub struct SaddleSystem {
     /// H^T H in the lower triangle.
@@ -31,13 +35,12 @@ impl SaddleSystem {
     /// From H and the columns of P.
     pub fn new<T: Real>(half: &ColumnBlocks<'_, T>, free: Vec<Vec<f64>>) -> Self {
         let mut gram = Mat::zeros(half.columns(), half.columns());
-        half.add_gram_lower(&mut gram);
+        if half.squared_norm() > SINGLE_PRECISION_TRACE {
+            half.add_gram_lower::<f64>(&mut gram);
+        } else {
+            half.add_gram_lower::<T>(&mut gram);
+        }
         Self { gram, free }
-    }
-
-    /// Trace of H^T H.
-    pub fn trace(&self) -> f64 {
-        (0..self.gram.nrows()).map(|i| self.gram[(i, i)]).sum()
     }
 
     /// Number of columns of P.
