@@ -15,14 +15,14 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import (
-    live_edit, menu, operators, overlay, panels, preferences, properties, runs, scan, skeleton_panels,
-    skeleton_properties, solve,
+    live_edit, menu, operators, overlay, panels, preferences, properties, runs, scan, separate_panels,
+    separate_properties, skeleton_panels, skeleton_properties, solve,
 )
 from .library import Wrong
 
 _classes = (
-    *preferences.classes, *skeleton_properties.classes, *properties.classes, *operators.classes, *panels.classes,
-    *skeleton_panels.classes, *menu.classes,
+    *preferences.classes, *skeleton_properties.classes, *properties.classes, *separate_properties.classes,
+    *operators.classes, *panels.classes, *skeleton_panels.classes, *separate_panels.classes, *menu.classes,
 )
 
 
@@ -70,6 +70,7 @@ def register():
         bpy.utils.register_class(cls)
     skeleton_properties.register()
     properties.register()
+    separate_properties.register()
     menu.register()
     for name, handler in _handlers:
         getattr(bpy.app.handlers, name).append(handler)
@@ -86,6 +87,7 @@ def unregister():
         getattr(bpy.app.handlers, name).remove(handler)
     scan.forget()
     menu.unregister()
+    separate_properties.unregister()
     properties.unregister()
     skeleton_properties.unregister()
     for cls in reversed(_classes):

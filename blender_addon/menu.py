@@ -30,6 +30,7 @@ class MOULAGE_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator("moulage.register", text="Register Skeleton")
         layout.operator("moulage.add_soft_tissue", text="Carry Selected with Skeleton")
+        layout.operator("moulage.separate", text="Separate Overlapping Meshes")
         layout.separator()
         layout.operator_menu_enum("moulage.show_heat_map", "kind")
         layout.operator("moulage.copy_result", text="Copy Result as New Object")

@@ -20,6 +20,13 @@ def _holds_points(_self, ob):
     return ob.type in {"MESH", "POINTCLOUD"}
 
 
+METHODS = [
+    ("auto", "Automatic", "TetGen where it is found and can fill the surface, else the lattice"),
+    ("tetgen", "TetGen", "The program TetGen, or an error"),
+    ("lattice", "Lattice", "Built in; takes open and self-intersecting surfaces as well"),
+]
+
+
 class MOULAGE_PG_landmark(bpy.types.PropertyGroup):
     """One place, on the template and on the person."""
 
@@ -83,6 +90,7 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     """A template: its data and settings."""
 
     uid: StringProperty(description="Stays the same when the object is renamed")
+    tets: StringProperty(description="The tets in the shape of the last run (kept_tets.py)")
     findings: StringProperty(description="What the check found, one sentence per line")
     checked: BoolProperty()
 
@@ -103,13 +111,7 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     carried: CollectionProperty(type=MOULAGE_PG_carried)
     active_carried: IntProperty()
 
-    method: EnumProperty(
-        name="Tets", items=[
-            ("auto", "Automatic", "TetGen where it is found and can fill the surface, else the lattice"),
-            ("tetgen", "TetGen", "The program TetGen, or an error"),
-            ("lattice", "Lattice", "Built in; takes open and self-intersecting surfaces as well"),
-        ],
-    )
+    method: EnumProperty(name="Tets", items=METHODS)
     tet_count: IntProperty(
         name="Number", description="About how many tets", default=15000, min=24, max=10_000_000, soft_max=100_000
     )

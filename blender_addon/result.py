@@ -8,6 +8,8 @@ import numpy
 from . import heat_map, landmarks, library, mesh_data, units
 
 KEY = "Reshaped"
+# The key that lies over it after a separation.
+SEPARATED = "Separated"
 STRETCH = "moulage_stretch"
 DISTANCE = "moulage_distance"
 # The distance of each marker, on the template object.
@@ -23,12 +25,14 @@ _ENDINGS = {
 
 
 class Before:
-    """The template's shape keys as they were before a run, to put them back if it fails."""
+    """The shape keys of a mesh as they were before a run, to put them back if it fails. The run writes the key `name`,
+    or one that is made and called `new`."""
 
-    def __init__(self, template):
-        data, keys = template.moulage, template.data.shape_keys
-        old = keys.key_blocks.get(data.result.key) if keys and not data.new_key else None
-        self.name = old.name if old else ""
+    def __init__(self, template, name, new=KEY):
+        keys = template.data.shape_keys
+        old = keys.key_blocks.get(name) if keys and name else None
+        self.name, self._new = old.name if old else "", new
+        self._relative, self._mute = (old.relative_key.name, old.mute) if old else ("", False)
         self.had_keys = keys is not None
         self.points = mesh_data.key_points(old) if old else None
         self.values = {key.name: key.value for key in keys.key_blocks} if keys else {}
@@ -42,7 +46,7 @@ class Before:
         if key is None:
             if keys is None:
                 template.shape_key_add(name="Basis", from_mix=False)
-            key = template.shape_key_add(name=KEY, from_mix=False)
+            key = template.shape_key_add(name=self._new, from_mix=False)
             self.name, self.made = key.name, True
         return key
 
@@ -56,6 +60,7 @@ class Before:
                 template.shape_key_clear()
         elif key is not None and self.points is not None and len(self.points) == len(template.data.vertices):
             mesh_data.set_key_points(key, self.points)
+            key.relative_key, key.mute = keys.key_blocks.get(self._relative) or key.relative_key, self._mute
         if template.data.shape_keys:
             for key in template.data.shape_keys.key_blocks:
                 key.value = self.values.get(key.name, key.value)
@@ -74,7 +79,7 @@ def write_shape(template, inputs, before, points):
     local = mesh_data.transform(numpy.linalg.inv(inputs.frame), points)
     mesh_data.set_key_points(key, local)
     for other in template.data.shape_keys.key_blocks:
-        if other.name.startswith(KEY):
+        if other.name.startswith((KEY, SEPARATED)):
             other.value = 1.0 if other.name == key.name else 0.0
     # A pinned key hides all others.
     template.active_shape_key_index = template.data.shape_keys.key_blocks.find(key.name)

@@ -16,10 +16,12 @@ _open = weakref.WeakSet()
 
 
 class Running:
-    """What reshaping and registration have in common. Subclasses set `_run`, and write what comes out."""
+    """What reshaping, registration and separation have in common. Subclasses set `_run`, and write what comes out."""
 
     # Length in the scene of one unit of the run.
     unit = 1.0
+    # How `finish` is told; a warning where the result is not all that was asked for.
+    severity = "INFO"
 
     def __init__(self):
         self.progress = None

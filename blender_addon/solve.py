@@ -5,7 +5,7 @@ import time
 
 import bpy
 
-from . import problem, result
+from . import kept_tets, problem, result
 from .library import Wrong, calls, moulage
 from .runs import Running
 
@@ -56,8 +56,9 @@ class Solve(Running):
         self.inputs = problem.gather(context, template)
         self._earlier = _earlier(self.inputs) if again else None
         self._warnings = []
-        self._filling = None
-        self._before = result.Before(template)
+        self._filling = self._tets = None
+        data = template.moulage
+        self._before = result.Before(template, "" if data.new_key else data.result.key)
         super().__init__()
         try:
             if self.inputs.key() in _cache:
@@ -70,7 +71,7 @@ class Solve(Running):
             raise
 
     def _start(self, tets):
-        inputs = self.inputs
+        inputs, self._tets = self.inputs, tets
         reshaping = moulage().Reshaping(tets)
         reshaping.set_markers(inputs.markers)
         reshaping.set_landmarks(*inputs.landmarks)
@@ -141,7 +142,9 @@ class Solve(Running):
             _results.clear()
             _results[self.inputs.uid] = self.inputs.key(), self.inputs.options, found
             seconds = time.monotonic() - self.started
-            return result.write(context, template, self.inputs, self._before, found, self._warnings, seconds)
+            said = result.write(context, template, self.inputs, self._before, found, self._warnings, seconds)
+            kept_tets.keep(template, self.inputs.frame, found.points, found.tet_points, self._tets.tets)
+            return said
         except Wrong:
             self.put_back()
             raise
@@ -154,7 +157,7 @@ class Solve(Running):
             self._before.restore(template)
 
     def close(self):
-        self._filling = None
+        self._filling = self._tets = None
         super().close()
 
 

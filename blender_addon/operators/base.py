@@ -125,7 +125,8 @@ class Runs:
         try:
             while current.tick():
                 time.sleep(0.02)
-            self.report({"INFO"}, current.finish(context))
+            said = current.finish(context)
+            self.report({current.severity}, said)
         finally:
             current.close()
         return {"FINISHED"}
@@ -163,7 +164,8 @@ class Runs:
             redraw(context)
             return {"PASS_THROUGH"}
         try:
-            self.report({"INFO"}, current.finish(context))
+            said = current.finish(context)
+            self.report({current.severity}, said)
         except Wrong as error:
             self.report({"WARNING"}, str(error))
             return self._end(context, {"CANCELLED"})

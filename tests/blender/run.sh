@@ -44,7 +44,7 @@ wait "$window" || ended=$?
 cat target/blender/window.log
 [ "$ended" -eq 0 ] || { echo "the session in a window ended with $ended"; exit 1; }
 for picture in start check tets template_and_markers landmarks attachments attached running result heat_map_distance \
-    heat_map_stretch slices scan label_map skeleton_start skeleton_running skeleton; do
+    heat_map_stretch slices scan label_map skeleton_start skeleton_running skeleton separate; do
     colours=$(identify -format %k "$pictures/$picture.png")
     [ "$colours" -gt 500 ] || { echo "$pictures/$picture.png shows next to nothing"; exit 1; }
 done

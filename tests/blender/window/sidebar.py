@@ -5,8 +5,8 @@ import bpy
 from events import area, click, event, in_view, pause, press, region, template, type_text, until
 
 # Without a template the inner ones are not there.
-_OUTER = ("Template", "Scan", "Skeleton")
-_ALL = ("Template", "Scan", "Markers", "Landmarks", "Attachments", "Carried", "Reshape", "Result", "Skeleton")
+_OUTER = ("Template", "Scan", "Skeleton", "Separate")
+_ALL = ("Template", "Scan", "Markers", "Landmarks", "Attachments", "Carried", "Reshape", "Result", "Skeleton", "Separate")
 # Pixels: how far headers of closed panels are apart, and the first from the top; how high a row is at least.
 _HEADER, _FIRST, _ROW = 28, 15, 16
 # Where to look along a row, as shares of its width: most things reach to the right half.
