@@ -1,6 +1,6 @@
 """The stiffness factor and 200 right-hand sides, here, by CHOLMOD and by MKL PARDISO, one after the other on the same matrix.
 
-    apt-get install gcc libsuitesparse-dev; pip install numpy scipy pypardiso
+    apt-get install gcc libsuitesparse-dev libopenblas0-pthread; pip install numpy scipy pypardiso
     python benches/solvers.py
 """
 import subprocess
