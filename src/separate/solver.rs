@@ -31,11 +31,11 @@ const GAP: f64 = 1.0 / 2000.0;
 
 /// A contact is opened by this share of the mean edge per round, so that deep overlaps are left in
 /// small steps.
-const OPENING: f64 = 0.25;
+const OPENING: f64 = 0.35;
 
 /// Stiffness of a contact in units of Young's modulus times the mean edge: at first, its growth per
 /// round, at most.
-const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 500.0];
+const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 2e4];
 
 /// Stiffness of a marker's hold, in the same unit.
 const MARKER_STIFFNESS: f64 = 1.0;
@@ -53,7 +53,7 @@ const ARMIJO: f64 = 1e-4;
 const SMALL_STEP: f64 = 0.02;
 
 /// Rounds in which the overlap may stay as large as it was before the solver gives up.
-const PATIENCE: usize = 12;
+const PATIENCE: usize = 20;
 /// A round counts as progress if it leaves at most this share of the smallest overlap so far.
 const PROGRESS: f64 = 0.98;
 
