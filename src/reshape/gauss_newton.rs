@@ -81,6 +81,11 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         Self { at, rows, representatives, smoothness, system }
     }
 
+    /// Whether directions are found by conjugate gradients over representatives.
+    pub fn is_iterated(&self) -> bool {
+        self.representatives.is_some()
+    }
+
     /// The direction at strain `s` with the prior about `anchor`; its error, in the norm of the
     /// equations, is at most about the share `reduction`.
     pub fn direction(

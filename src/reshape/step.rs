@@ -18,6 +18,9 @@ const MAX_ROUNDS: i32 = 3;
 /// How exact directions are; the trials judge them.
 const DIRECTION_REDUCTION: f64 = 1e-3;
 
+/// The same for very many markers, where each digit costs steps of conjugate gradients.
+const ITERATED_REDUCTION: f64 = 0.03;
+
 /// Share of the present objective, times the step's length, that a step must take away.
 const ARMIJO: f64 = 1e-4;
 
@@ -96,8 +99,9 @@ impl Solver<'_> {
             }
             Search::Damping(equations) => {
                 let damping = self.damping.pair(round)[k];
-                let (s, anchor) = (&state.s, &self.anchor);
-                (equations.direction(s, anchor, damping, DIRECTION_REDUCTION)?, 1.0, damping)
+                let reduction =
+                    if equations.is_iterated() { ITERATED_REDUCTION } else { DIRECTION_REDUCTION };
+                (equations.direction(&state.s, &self.anchor, damping, reduction)?, 1.0, damping)
             }
         };
         let eta = share * self.largest_step(&state.s, &direction);
