@@ -1,7 +1,7 @@
 //! Runs: started, polled, cancelled, waited for. No callback crosses the border.
 
 use libc::c_char;
-use std::any::Any;
+use std::any::{Any, TypeId};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -59,6 +59,7 @@ pub(super) struct RunObject {
     run: Run,
     /// What it computes, for error messages: "a reshaping".
     kind: &'static str,
+    result_type: TypeId,
     worker: Mutex<Option<JoinHandle<()>>>,
     ended: Arc<AtomicBool>,
     answer: Arc<Mutex<Option<Outcome<Answer>>>>,
@@ -88,7 +89,14 @@ impl RunObject {
             .name("moulage run".into())
             .spawn(work)
             .map_err(|e| Failure::invalid(format!("no thread could be started: {e}")))?;
-        Ok(Self { run, kind, worker: Mutex::new(Some(worker)), ended, answer })
+        Ok(Self {
+            run,
+            kind,
+            result_type: TypeId::of::<T>(),
+            worker: Mutex::new(Some(worker)),
+            ended,
+            answer,
+        })
     }
 
     /// Waits for the end.
@@ -100,19 +108,20 @@ impl RunObject {
         }
     }
 
+    /// Waits for the result, once. A wait for another kind fails at once and takes nothing.
     fn take<T: Any>(&self) -> Outcome<T> {
-        let mut slot = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
-        match slot.take() {
-            None => Err(Failure::invalid("the result of this run was waited for already")),
-            Some(Err(failure)) => Err(failure),
-            Some(Ok(answer)) => answer.downcast::<T>().map(|boxed| *boxed).map_err(|other| {
-                *slot = Some(Ok(other));
-                Failure::invalid(format!(
-                    "this run is {}; wait with the function for its kind",
-                    self.kind
-                ))
-            }),
+        let kind = self.kind;
+        let other_kind =
+            || Failure::invalid(format!("this run is {kind}; wait with the function for its kind"));
+        if TypeId::of::<T>() != self.result_type {
+            return Err(other_kind());
         }
+        self.join();
+        let mut slot = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(answer) = slot.take() else {
+            return Err(Failure::invalid("the result of this run was waited for already"));
+        };
+        answer?.downcast::<T>().map(|boxed| *boxed).map_err(|_| other_kind())
     }
 }
 
@@ -143,7 +152,6 @@ pub(super) unsafe fn wait_for<T: Any + Send + Sync, H>(
 ) -> Outcome<()> {
     buffers::check_out(out_result, name)?;
     let object = handles::get::<RunObject, _>(run, "run")?;
-    object.join();
     let result: T = object.take()?;
     // SAFETY: passed on from the caller.
     unsafe { buffers::write(out_result, handles::give(result), name) }
