@@ -197,7 +197,7 @@ fn published_woodbury_equals_dual_and_dense_hessian() {
         let dense = setup.dense(at, &prior, &anchor, 0.0);
         let equations = NormalEquations::new(at, &setup.rows, None, &prior);
         let dual = equations.direction(&setup.s, &anchor, 0.0, 1e-10).unwrap();
-        let woodbury = at.woodbury_direction(&setup.rows, &prior, &setup.s, &anchor);
+        let woodbury = at.woodbury_direction(&setup.rows, &prior, &setup.s, &anchor, 1e-10);
         assert!(relative(&dual.ds, &dense) < 1e-8);
         assert!(relative(&woodbury.ds, &dense) < 1e-6);
     });

@@ -130,13 +130,13 @@ impl StrainSmoothness {
     /// Subtracts from each column the constant that makes its weighted sum zero.
     fn remove_constant<T: Real>(&self, b: &mut [T], width: usize, weight: impl Fn(usize) -> f64) {
         let total: f64 = (0..self.mass.len()).map(&weight).sum();
-        for c in 0..width {
-            let mean =
-                (0..self.mass.len()).map(|v| weight(v) * b[v * width + c].to_f64()).sum::<f64>()
-                    / total;
-            for v in 0..self.mass.len() {
-                b[v * width + c] -= T::from_f64(mean);
-            }
+        let mut means = vec![0.0; width];
+        for (v, row) in b.chunks_exact(width).enumerate() {
+            means.iter_mut().zip(row).for_each(|(m, value)| *m += weight(v) * value.to_f64());
+        }
+        let means: Vec<T> = means.iter().map(|m| T::from_f64(m / total)).collect();
+        for row in b.chunks_exact_mut(width) {
+            row.iter_mut().zip(&means).for_each(|(value, mean)| *value -= *mean);
         }
     }
 

@@ -27,15 +27,10 @@ use crate::error::Result;
 use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
-use crate::solve::{Real, RoundedFactor, SaddleFactor, SaddleSystem};
+use crate::solve::{SaddleFactor, SaddleSystem};
 
-/// Corrections or steps of conjugate gradients at most; the sum so far is a direction of descent at
-/// any time.
+/// Steps of conjugate gradients at most; the sum so far is a direction of descent at any time.
 const MAX_STEPS: usize = 40;
-
-/// Trace of H^T H up to which H may be rounded to single precision: beyond, what a direction misses is
-/// no longer found by corrections.
-const SINGLE_PRECISION_TRACE: f64 = 1e9;
 
 /// A change of the plastic strain and, for a free body, a rigid motion (translation, rotation
 /// vector about the linearization's centre).
@@ -74,10 +69,15 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         smoothness: &'a StrainSmoothness,
     ) -> Self {
         let few = representatives.unwrap_or(rows);
-        let single = dual_system(at, &at.single, few, smoothness, SINGLE_PRECISION_TRACE);
-        let double =
-            || dual_system(at, &at.stiffness.rounded::<f64>(), few, smoothness, f64::INFINITY);
-        let system = single.unwrap_or_else(|| double().expect("no trace is too large"));
+        let (gram, constants) = at.prior_gram(few, smoothness);
+        let mut free: Vec<Vec<f64>> = Vec::new();
+        if smoothness.is_singular() {
+            free.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
+        }
+        if at.body.is_free() {
+            free.extend(at.rigid_columns(few));
+        }
+        let system = SaddleSystem::new(gram, free);
         Self { at, rows, representatives, smoothness, system }
     }
 
@@ -136,16 +136,12 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         let mut missing: Vec<f64> =
             before.iter().zip(self.rows.residuals()).map(|(z, r)| -z - r).collect();
         let mut missing_free = vec![0.0; self.system.free_count()];
-        let (mut goal, mut last) = (0.0, f64::INFINITY);
-        for step in 0..MAX_STEPS {
+        let mut corrections = Corrections::new(reduction);
+        for _ in 0..Corrections::MAX {
             let (a, y) = saddle.solve(&missing, &missing_free);
-            let size: f64 = missing.iter().zip(&a).map(|(d, a)| d * a).sum();
-            if step == 0 {
-                goal = reduction * reduction * size;
-            } else if size.is_nan() || size <= goal || size > last {
+            if !corrections.is_needed(missing.iter().zip(&a).map(|(d, a)| d * a).sum()) {
                 break;
             }
-            last = size;
             let force = self.adjoint(&a);
             let mut strain = self.smoothness.solve(&force.strain);
             for v in &mut strain {
@@ -273,27 +269,31 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     }
 }
 
-/// The system of `rows`, H in the precision of `stiffness`; `None` where the trace of H^T H is beyond
-/// `largest_trace`.
-fn dual_system<M: IsotropicDensity, T: Real>(
-    at: &Linearization<M>,
-    stiffness: &RoundedFactor<T>,
-    rows: &Rows,
-    smoothness: &StrainSmoothness,
-    largest_trace: f64,
-) -> Option<SaddleSystem> {
-    let (half, constants) = at.half_inverse(stiffness, rows, smoothness);
-    if half.squared_norm() > largest_trace {
-        return None;
+/// Ends corrections that are made until the error is a share of what it was.
+pub(super) struct Corrections {
+    reduction: f64,
+    /// The size of the error to be reached, and the last one.
+    goal_and_last: Option<(f64, f64)>,
+}
+
+impl Corrections {
+    /// At most this many; what was summed so far is a direction of descent at any time.
+    pub const MAX: usize = 40;
+
+    pub fn new(reduction: f64) -> Self {
+        Self { reduction, goal_and_last: None }
     }
-    let mut free = Vec::new();
-    if smoothness.is_singular() {
-        free.extend((0..6).map(|p| constants.iter().map(|c| c[p]).collect()));
+
+    /// Whether a correction of this size, squared in the norm of the equations, is to be added: the
+    /// first is; later ones while they shrink and are above the goal.
+    pub fn is_needed(&mut self, size: f64) -> bool {
+        let Some((goal, last)) = self.goal_and_last else {
+            self.goal_and_last = Some((self.reduction * self.reduction * size, size));
+            return true;
+        };
+        self.goal_and_last = Some((goal, size));
+        size > goal && size <= last
     }
-    if at.body.is_free() {
-        free.extend(at.rigid_columns(rows));
-    }
-    Some(SaddleSystem::new(&half, free))
 }
 
 impl Unknowns {

@@ -2,6 +2,7 @@
 //!
 //! Z = sqrt(c) A J, K J = -G ([W] Eqs. 8-11): neither J nor Z is formed.
 
+use faer::Mat;
 use nalgebra::Vector6;
 use rayon::prelude::*;
 
@@ -10,6 +11,10 @@ use crate::fem::{Body, Sensitivity, StrainSmoothness, rigid_modes, solve_vectors
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
 use crate::solve::{ColumnBlocks, Factor, Real, RoundedFactor};
+
+/// Trace of H^T H up to which H may be rounded to single precision: beyond, what a direction misses is
+/// no longer found by corrections.
+const ROUNDED_SYSTEM_TRACE: f64 = 1e9;
 
 /// What the direction is computed at.
 pub struct Linearization<'a, M> {
@@ -54,9 +59,28 @@ impl<'a, M: IsotropicDensity> Linearization<'a, M> {
         z.chunks_exact(6).map(Sym3::from_column_slice).collect()
     }
 
+    /// Z R^+ Z^T in its lower triangle, for a sum with the identity, and the sums of Z^T over all
+    /// carriers: Z times each constant strain. In single precision where corrections can find what that
+    /// misses.
+    pub(super) fn prior_gram(
+        &self,
+        rows: &Rows,
+        smoothness: &StrainSmoothness,
+    ) -> (Mat<f64>, Vec<Vector6<f64>>) {
+        let (half, constants) = self.half_inverse(&self.single, rows, smoothness);
+        let trace = half.squared_norm();
+        if trace <= ROUNDED_SYSTEM_TRACE {
+            return (half.gram_lower(trace), constants);
+        }
+        drop(half);
+        let stiffness = self.stiffness.rounded::<f64>();
+        let (half, constants) = self.half_inverse(&stiffness, rows, smoothness);
+        (half.gram_lower(trace), constants)
+    }
+
     /// H with H^T H = Z R^+ Z^T in blocks of columns, one column per row of data, and the sums of
     /// Z^T over all carriers: Z times each constant strain. In the precision of `stiffness`.
-    pub(super) fn half_inverse<'m, T: Real>(
+    fn half_inverse<'m, T: Real>(
         &self,
         stiffness: &'m RoundedFactor<T>,
         rows: &Rows,
@@ -72,9 +96,8 @@ impl<'a, M: IsotropicDensity> Linearization<'a, M> {
             .zip(rows.rows.par_chunks(ColumnBlocks::<T>::WIDTH))
             .map(|(z, part)| {
                 let width = part.len();
-                let size = 3 * self.x.len() * width;
-                let mut y = stiffness.memory().take(size);
-                y.resize(size, T::from_f64(0.0));
+                let mut y = stiffness.memory().take(3 * self.x.len() * width);
+                y.fill(T::from_f64(0.0));
                 for (c, row) in part.iter().enumerate() {
                     let scaled = row.direction * -row.weight.sqrt();
                     for &(v, w) in &rows.points[row.point].0 {

@@ -63,7 +63,13 @@ impl Solver<'_> {
         let objective = rows.energy() + self.prior(&state.s);
         let origin = Origin { state, at: &at, weights: &weights, objective };
         let search = if self.options.paper && !self.scene.body.is_free() {
-            let direction = at.woodbury_direction(&rows, &self.smoothness, &state.s, &self.anchor);
+            let direction = at.woodbury_direction(
+                &rows,
+                &self.smoothness,
+                &state.s,
+                &self.anchor,
+                DIRECTION_REDUCTION,
+            );
             Search::Halving(direction)
         } else {
             let few = representatives.as_ref();

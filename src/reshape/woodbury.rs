@@ -6,58 +6,80 @@
 //! with pivoting. (Z carries sqrt(c), not c as [W] Eq. 12 prints.)
 
 use faer::Mat;
+use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::Solve;
 use nalgebra::Vector6;
 
-use super::gauss_newton::Direction;
+use super::gauss_newton::{Corrections, Direction};
 use super::linearization::Linearization;
 use super::rows::Rows;
 use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
 use crate::math::Sym3;
-use crate::solve::ColumnBlocks;
 
 impl<M: IsotropicDensity> Linearization<'_, M> {
     /// The direction of a held body with a smoothness that leaves constants free; the same as
-    /// [`super::NormalEquations::direction`] in exact arithmetic.
+    /// [`super::NormalEquations::direction`] in exact arithmetic. The capacity matrix may be rounded;
+    /// what its direction misses is solved for again, until the error, in the norm of the equations,
+    /// is about the share `reduction`.
     pub fn woodbury_direction(
         &self,
         rows: &Rows,
         smoothness: &StrainSmoothness,
         s: &[Sym3],
         anchor: &[Sym3],
+        reduction: f64,
     ) -> Direction {
+        let (gram, constants) = self.prior_gram(rows, smoothness);
+        let capacity = capacity(&gram, &constants, s.len());
+        let solver = Woodbury { at: self, rows, smoothness, capacity: capacity.partial_piv_lu() };
+
+        // The negative gradient R (s - anchor) + Z^T r.
         let offset: Vec<Sym3> = s.iter().zip(anchor).map(|(s, a)| s - a).collect();
-        let residuals = rows.residuals();
-        // v = B^-1 times the negative gradient R (s - anchor) + Z^T r.
-        let mut gradient = smoothness.apply(&offset);
-        for (g, z) in gradient.iter_mut().zip(self.transpose_multiply(rows, &residuals)) {
-            *g += z;
+        let mut force = smoothness.apply(&offset);
+        for (f, z) in force.iter_mut().zip(self.transpose_multiply(rows, &rows.residuals())) {
+            *f = -(*f + z);
         }
-        let v: Vec<Sym3> = lemma(smoothness, &gradient).into_iter().map(|v| -v).collect();
-        // ds = v - B^-1 Zh^T (I + Zh B^-1 Zh^T)^-1 Zh v.
-        let stiffness = self.stiffness.rounded::<f64>();
-        let (half, constants) = self.half_inverse(&stiffness, rows, smoothness);
-        let right = self.extended_multiply(rows, &v);
-        let right = Mat::from_fn(right.len(), 1, |i, _| right[i]);
-        let y = capacity(&half, &constants, s.len()).partial_piv_lu().solve(&right);
-        let q = rows.rows.len();
-        let mut back =
-            self.transpose_multiply(rows, &(0..q).map(|i| y[(i, 0)]).collect::<Vec<_>>());
-        let constant = Sym3::from_fn(|p, _| y[(q + p, 0)]) / (s.len() as f64).sqrt();
+        let mut ds = vec![Sym3::zeros(); s.len()];
+        let mut corrections = Corrections::new(reduction);
+        for _ in 0..Corrections::MAX {
+            let change = solver.solve(&force);
+            if !corrections.is_needed(force.iter().zip(&change).map(|(f, c)| f.dot(c)).sum()) {
+                break;
+            }
+            ds.iter_mut().zip(&change).for_each(|(ds, c)| *ds += c);
+            let data = self.transpose_multiply(rows, &rows.measure(&self.shape_change(&change)));
+            let prior = smoothness.apply(&change);
+            force.iter_mut().zip(prior.iter().zip(&data)).for_each(|(f, (r, z))| *f -= r + z);
+        }
+        Direction { dx: self.shape_change(&ds), ds, rigid: None }
+    }
+}
+
+/// H^-1 by the Woodbury identity.
+struct Woodbury<'a, M> {
+    at: &'a Linearization<'a, M>,
+    rows: &'a Rows,
+    smoothness: &'a StrainSmoothness,
+    capacity: PartialPivLu<f64>,
+}
+
+impl<M: IsotropicDensity> Woodbury<'_, M> {
+    /// v - B^-1 Zh^T (I + Zh B^-1 Zh^T)^-1 Zh v with v = B^-1 f.
+    fn solve(&self, f: &[Sym3]) -> Vec<Sym3> {
+        let v = lemma(self.smoothness, f);
+        let root = (f.len() as f64).sqrt();
+        let mut right = self.rows.measure(&self.at.shape_change(&v));
+        right.extend((v.iter().sum::<Sym3>() / root).iter());
+        let y = self.capacity.solve(&Mat::from_fn(right.len(), 1, |i, _| right[i]));
+        let q = self.rows.rows.len();
+        let y: Vec<f64> = (0..q + 6).map(|i| y[(i, 0)]).collect();
+        let mut back = self.at.transpose_multiply(self.rows, &y[..q]);
+        let constant = Sym3::from_column_slice(&y[q..]) / root;
         for b in &mut back {
             *b += constant;
         }
-        let ds: Vec<Sym3> = v.iter().zip(lemma(smoothness, &back)).map(|(v, b)| v - b).collect();
-        Direction { dx: self.shape_change(&ds), ds, rigid: None }
-    }
-
-    /// [Z v; psi^T v].
-    fn extended_multiply(&self, rows: &Rows, v: &[Sym3]) -> Vec<f64> {
-        let mut product = rows.measure(&self.shape_change(v));
-        let constant: Sym3 = v.iter().sum::<Sym3>() / (v.len() as f64).sqrt();
-        product.extend(constant.iter());
-        product
+        v.iter().zip(lemma(self.smoothness, &back)).map(|(v, b)| v - b).collect()
     }
 }
 
@@ -67,12 +89,11 @@ fn lemma(smoothness: &StrainSmoothness, b: &[Sym3]) -> Vec<Sym3> {
     smoothness.solve(b).into_iter().map(|x| x - mean).collect()
 }
 
-/// I + Zh B^-1 Zh^T from Z R^+ Z^T = H^T H and Z psi = constants / sqrt(carriers).
-fn capacity(half: &ColumnBlocks<'_, f64>, constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
+/// I + Zh B^-1 Zh^T from Z R^+ Z^T and Z psi = constants / sqrt(carriers).
+fn capacity(gram: &Mat<f64>, constants: &[Vector6<f64>], carriers: usize) -> Mat<f64> {
     let q = constants.len();
-    let mut gram = Mat::zeros(q, q);
-    half.add_gram_lower::<f64>(&mut gram);
-    let z_psi = |i: usize, p: usize| constants[i][p] / (carriers as f64).sqrt();
+    let root = (carriers as f64).sqrt();
+    let z_psi = |i: usize, p: usize| constants[i][p] / root;
     Mat::from_fn(q + 6, q + 6, |i, j| match (i < q, j < q) {
         (true, true) => {
             let common: f64 = (0..6).map(|p| z_psi(i, p) * z_psi(j, p)).sum();

@@ -1,5 +1,7 @@
 //! Dense symmetric systems: Gram matrices and their Cholesky factor.
 
+use std::ops::Range;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
     LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
@@ -8,7 +10,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par, unzip, zip};
 use rayon::prelude::*;
 
 use super::memory::Memory;
@@ -17,6 +19,13 @@ use crate::error::{Error, Result};
 
 /// Rows multiplied in one call; keeps both panels in the cache.
 const PANEL: usize = 512;
+
+/// Blocks on the right that are multiplied with one block on the left.
+const GROUP: usize = 4;
+
+/// Trace of A^T A up to which its products may be rounded to single precision: beyond, their rounding
+/// outweighs the identity that is added.
+const ROUNDED_PRODUCTS_TRACE: f64 = 1e8;
 
 /// A dense matrix in blocks of columns, so that each block can be computed on its own thread.
 pub struct ColumnBlocks<'m, T> {
@@ -33,12 +42,7 @@ impl<'m, T: Real> ColumnBlocks<'m, T> {
 
     /// A matrix whose entries are not set yet.
     pub fn new(rows: usize, columns: usize, memory: &'m Memory<T>) -> Self {
-        let block = |first| {
-            let size = rows * Self::WIDTH.min(columns - first);
-            let mut block = memory.take(size);
-            block.resize(size, T::from_f64(0.0));
-            block
-        };
+        let block = |first| memory.take(rows * Self::WIDTH.min(columns - first));
         let blocks = (0..columns).step_by(Self::WIDTH).map(block).collect();
         Self { blocks, rows, columns, memory }
     }
@@ -56,43 +60,66 @@ impl<'m, T: Real> ColumnBlocks<'m, T> {
         sums.iter().sum()
     }
 
-    /// gram += A^T A in its lower triangle. Parallel over blocks of the result, each summed in row
-    /// order: panels in the precision P, their sums in double precision.
-    pub fn add_gram_lower<P: Real>(&self, gram: &mut Mat<f64>) {
-        let pairs: Vec<(usize, usize)> =
-            (0..self.blocks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
-        let products: Vec<Mat<f64>> =
-            pairs.par_iter().map(|&(i, j)| self.block_product::<P>(i, j)).collect();
-        for (&(i, j), block) in pairs.iter().zip(&products) {
-            let (i, j) = (i * Self::WIDTH, j * Self::WIDTH);
-            let mut part = gram.as_mut().submatrix_mut(i, j, block.nrows(), block.ncols());
-            part += block;
+    /// A^T A in its lower triangle, for a sum with the identity: products are rounded to T up to a
+    /// trace where that adds less than the identity does.
+    pub fn gram_lower(&self, trace: f64) -> Mat<f64> {
+        if trace > ROUNDED_PRODUCTS_TRACE {
+            self.products(|sum, left, right| {
+                let (left, right) = (doubled_transpose(left), doubled_transpose(right));
+                matmul(sum.as_mut(), Accum::Add, &left, right.transpose(), 1.0, Par::Seq);
+            })
+        } else {
+            self.products(|sum, left, right| {
+                let mut product = Mat::<T>::zeros(sum.nrows(), sum.ncols());
+                let one = T::from_f64(1.0);
+                matmul(product.as_mut(), Accum::Replace, left.transpose(), right, one, Par::Seq);
+                zip!(sum, &product).for_each(|unzip!(sum, product)| *sum += product.to_f64());
+            })
         }
     }
 
-    /// A_i^T A_j for two blocks.
-    fn block_product<P: Real>(&self, i: usize, j: usize) -> Mat<f64> {
-        let width = |k: usize| Self::WIDTH.min(self.columns - k * Self::WIDTH);
-        let mut product = Mat::<f64>::zeros(width(i), width(j));
-        let mut part = Mat::<P>::zeros(width(i), width(j));
-        let (mut left, mut right) = (Vec::new(), Vec::new());
-        for start in (0..self.rows).step_by(PANEL) {
-            let height = PANEL.min(self.rows - start);
-            for (k, panel) in [(i, &mut left), (j, &mut right)] {
-                let rows = &self.blocks[k][start * width(k)..][..height * width(k)];
-                panel.clear();
-                panel.extend(rows.iter().map(|value| P::from_f64(value.to_f64())));
-            }
-            let left = MatRef::from_row_major_slice(&left, height, width(i)).transpose();
-            let right = MatRef::from_row_major_slice(&right, height, width(j));
-            matmul(part.as_mut(), Accum::Replace, left, right, P::from_f64(1.0), Par::Seq);
-            for c in 0..width(j) {
-                for r in 0..width(i) {
-                    product[(r, c)] += part[(r, c)].to_f64();
+    /// A^T A in its lower triangle by `add`, which adds the product of two panels, in row order.
+    /// Parallel over groups of blocks of one row of the result: a panel on the left stays in the
+    /// cache for its group.
+    fn products(&self, add: impl Fn(&mut Mat<f64>, MatRef<T>, MatRef<T>) + Sync) -> Mat<f64> {
+        let group = |i: usize| {
+            (0..=i).step_by(GROUP).map(move |first| (i, first..(first + GROUP).min(i + 1)))
+        };
+        let groups: Vec<(usize, Range<usize>)> = (0..self.blocks.len()).flat_map(group).collect();
+        let products = |(i, columns): &(usize, Range<usize>)| {
+            let mut sums: Vec<Mat<f64>> =
+                columns.clone().map(|j| Mat::zeros(self.width(*i), self.width(j))).collect();
+            for panel in 0..self.rows.div_ceil(PANEL) {
+                let left = self.panel(*i, panel);
+                for (sum, j) in sums.iter_mut().zip(columns.clone()) {
+                    add(sum, left, self.panel(j, panel));
                 }
             }
+            sums
+        };
+        let products: Vec<Vec<Mat<f64>>> = groups.par_iter().map(products).collect();
+        let mut gram = Mat::zeros(self.columns, self.columns);
+        for ((i, columns), sums) in groups.iter().zip(&products) {
+            for (j, sum) in columns.clone().zip(sums) {
+                let (first, height) = (j * Self::WIDTH, sum.ncols());
+                let mut part =
+                    gram.as_mut().submatrix_mut(i * Self::WIDTH, first, sum.nrows(), height);
+                part += sum;
+            }
         }
-        product
+        gram
+    }
+
+    fn width(&self, block: usize) -> usize {
+        Self::WIDTH.min(self.columns - block * Self::WIDTH)
+    }
+
+    /// [`PANEL`] rows of a block.
+    fn panel(&self, block: usize, panel: usize) -> MatRef<'_, T> {
+        let (width, start) = (self.width(block), panel * PANEL);
+        let height = PANEL.min(self.rows - start);
+        let values = &self.blocks[block][start * width..][..height * width];
+        MatRef::from_row_major_slice(values, height, width)
     }
 }
 
@@ -102,6 +129,12 @@ impl<T> Drop for ColumnBlocks<'_, T> {
             self.memory.give(block);
         }
     }
+}
+
+fn doubled_transpose<T: Real>(panel: MatRef<T>) -> Mat<f64> {
+    let mut doubled = Mat::zeros(panel.ncols(), panel.nrows());
+    zip!(&mut doubled, panel.transpose()).for_each(|unzip!(to, from)| *to = from.to_f64());
+    doubled
 }
 
 /// Cholesky factor of a dense symmetric positive definite matrix.

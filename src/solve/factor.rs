@@ -100,7 +100,6 @@ impl SymbolicFactor {
             SymbolicSparseColMatRef::new_checked(n, n, &self.col_ptr, None, &self.row_idx);
         let a = SparseColMatRef::new(pattern, &matrix.values[..]);
         let mut values = self.memories.double.take(self.symbolic.len_val());
-        values.resize(self.symbolic.len_val(), 0.0);
         let mut memory = MemBuffer::new(
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default()),
         );
@@ -159,7 +158,7 @@ impl Factor {
     /// A copy with rounded values.
     pub fn rounded<T: Real>(&self) -> RoundedFactor<T> {
         let mut values = T::memory(&self.symbolic.memories).take(self.values.len());
-        values.extend(self.values.iter().map(|&value| T::from_f64(value)));
+        values.iter_mut().zip(&self.values).for_each(|(to, &value)| *to = T::from_f64(value));
         RoundedFactor { symbolic: Arc::clone(&self.symbolic), values }
     }
 }

@@ -7,19 +7,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug)]
 pub struct Memory<T>(Mutex<Vec<Vec<T>>>);
 
-impl<T> Memory<T> {
-    /// An empty block with room for `length` values; the smallest one at hand that has it.
+impl<T: Copy + Default> Memory<T> {
+    /// A block of `length` values that say nothing; the smallest one at hand that has room for them.
     pub fn take(&self, length: usize) -> Vec<T> {
         let mut blocks = self.lock();
         let fitting = (0..blocks.len()).filter(|&k| blocks[k].capacity() >= length);
         let best = fitting.min_by_key(|&k| blocks[k].capacity());
         let mut block = best.map(|k| blocks.swap_remove(k)).unwrap_or_default();
         drop(blocks);
-        block.clear();
-        block.reserve_exact(length);
+        block.reserve_exact(length.saturating_sub(block.len()));
+        block.resize(length, T::default());
         block
     }
+}
 
+impl<T> Memory<T> {
     /// Returns a block.
     pub fn give(&self, block: Vec<T>) {
         self.lock().push(block);
@@ -48,13 +50,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_block_comes_back_empty_and_the_smallest_that_fits_is_taken() {
+    fn the_smallest_block_that_fits_is_taken() {
         let memory = Memory::default();
         memory.give(vec![1; 100]);
         memory.give(vec![2; 10]);
         let block = memory.take(7);
-        assert!(block.is_empty() && (10..100).contains(&block.capacity()));
+        assert!(block.len() == 7 && (10..100).contains(&block.capacity()));
         assert!(memory.take(20).capacity() >= 100);
-        assert!(memory.take(20).capacity() >= 20);
+        assert_eq!(memory.take(20).len(), 20);
     }
 }

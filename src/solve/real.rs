@@ -5,7 +5,7 @@ use faer::traits::RealField;
 use super::memory::{Memories, Memory};
 
 /// `f32` or `f64`.
-pub trait Real: RealField + Copy + Send + Sync {
+pub trait Real: RealField + Copy + Default + Send + Sync {
     /// Rounded.
     fn from_f64(value: f64) -> Self;
     /// Exact.

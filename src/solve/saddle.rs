@@ -2,16 +2,11 @@
 
 use faer::Mat;
 
-use super::dense::{ColumnBlocks, DenseCholesky};
-use super::real::Real;
+use super::dense::DenseCholesky;
 use crate::error::Result;
 
 /// Relative size of the shift that makes a rank-deficient Schur complement solvable.
 const SCHUR_SHIFT: f64 = 1e-12;
-
-/// Trace of H^T H up to which its products may be rounded to single precision: beyond, their rounding
-/// outweighs the I that is added.
-const SINGLE_PRECISION_TRACE: f64 = 1e8;
 
 /// The matrix [ I + share H^T H, P; P^T, 0 ], for any share.
 pub struct SaddleSystem {
@@ -32,14 +27,8 @@ pub struct SaddleFactor<'a> {
 }
 
 impl SaddleSystem {
-    /// From H and the columns of P.
-    pub fn new<T: Real>(half: &ColumnBlocks<'_, T>, free: Vec<Vec<f64>>) -> Self {
-        let mut gram = Mat::zeros(half.columns(), half.columns());
-        if half.squared_norm() > SINGLE_PRECISION_TRACE {
-            half.add_gram_lower::<f64>(&mut gram);
-        } else {
-            half.add_gram_lower::<T>(&mut gram);
-        }
+    /// From H^T H in its lower triangle and the columns of P.
+    pub fn new(gram: Mat<f64>, free: Vec<Vec<f64>>) -> Self {
         Self { gram, free }
     }
 
