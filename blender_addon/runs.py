@@ -16,7 +16,8 @@ _open = weakref.WeakSet()
 
 
 class Running:
-    """What reshaping, registration and separation have in common. Subclasses set `_run`, and write what comes out."""
+    """What reshaping, registration and separation have in common. Subclasses set `_run`, `_filling` while a mesh is
+    filled with tets before, and write what comes out."""
 
     # Length in the scene of one unit of the run.
     unit = 1.0
@@ -29,15 +30,16 @@ class Running:
         self.closed = False
         self._error = None
         self._stopping = False
-        self._run = None
+        self._run = self._filling = None
         self._next_view = 0.0
         _open.add(self)
 
     def stop(self):
         """Asks for the end; the best so far is kept."""
         self._stopping = True
-        if self._run is not None:
-            self._run.cancel()
+        for under_way in (self._run, self._filling):
+            if under_way is not None:
+                under_way.cancel()
 
     def _fail(self, error):
         cancelled = error.status == moulage().CANCELLED
@@ -73,7 +75,7 @@ class Running:
 
     def close(self):
         """Ends the run; freeing it waits for its thread."""
-        self._run = None
+        self._run = self._filling = None
         self.closed = True
         _open.discard(self)
 

@@ -32,7 +32,6 @@ class Separating(Running):
             for b in self.bodies if b.tets is None
         ]
         self.warnings = []
-        self._filling = None
         super().__init__()
         try:
             self._go_on()
@@ -70,11 +69,6 @@ class Separating(Running):
             for name, points, triangles in self.bones:
                 apart.add_obstacle(name, library.TriMesh(points, triangles))
             self._run = apart.start(**self._options)
-
-    def stop(self):
-        super().stop()
-        if self._filling is not None:
-            self._filling.cancel()
 
     def tick(self):
         """Goes on; False when it has ended."""
@@ -153,10 +147,6 @@ class Separating(Running):
             ob = _object(body)
             if ob is not None and ob.mode != "EDIT":
                 body.put_back(ob)
-
-    def close(self):
-        self._filling = None
-        super().close()
 
 
 def _require(soft, hard):

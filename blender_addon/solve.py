@@ -56,7 +56,7 @@ class Solve(Running):
         self.inputs = problem.gather(context, template)
         self._earlier = _earlier(self.inputs) if again else None
         self._warnings = []
-        self._filling = self._tets = None
+        self._tets = None
         data = template.moulage
         self._before = result.Before(template, "" if data.new_key else data.result.key)
         super().__init__()
@@ -82,11 +82,6 @@ class Solve(Running):
             self._run = reshaping.start(**inputs.options)
         else:
             self._run = reshaping.start_again(self._earlier, **inputs.options)
-
-    def stop(self):
-        super().stop()
-        if self._filling is not None:
-            self._filling.cancel()
 
     def tick(self):
         """Goes on; False when it has ended."""
@@ -157,7 +152,7 @@ class Solve(Running):
             self._before.restore(template)
 
     def close(self):
-        self._filling = self._tets = None
+        self._tets = None
         super().close()
 
 

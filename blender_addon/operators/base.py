@@ -22,18 +22,23 @@ def poll_idle(cls):
     return True
 
 
+def poll_object_mode(cls, mode):
+    """For `poll`: the scene's or an object's mode says that nothing is edited, and no run is going on."""
+    if not poll_idle(cls):
+        return False
+    if mode != "OBJECT":
+        cls.poll_message_set("Go back to Object Mode")
+        return False
+    return True
+
+
 def poll_template(cls, context):
     """For `poll`: there is a template, in Object Mode, and no run is going on."""
     template = properties.template_of(context)
     if template is None:
         cls.poll_message_set("Pick a template first")
         return False
-    if not poll_idle(cls):
-        return False
-    if template.mode != "OBJECT":
-        cls.poll_message_set("Go back to Object Mode")
-        return False
-    return True
+    return poll_object_mode(cls, template.mode)
 
 
 class NeedsTemplate:

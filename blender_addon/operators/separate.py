@@ -4,7 +4,7 @@
 import bpy
 
 from .. import separating
-from .base import Runs, poll_idle
+from .base import Runs, poll_object_mode
 
 
 class MOULAGE_OT_separate(Runs, bpy.types.Operator):
@@ -16,12 +16,7 @@ class MOULAGE_OT_separate(Runs, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not poll_idle(cls):
-            return False
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go back to Object Mode")
-            return False
-        return True
+        return poll_object_mode(cls, context.mode)
 
     def begin(self, context):
         return separating.Separating(context)

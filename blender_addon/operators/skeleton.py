@@ -6,18 +6,8 @@ from bpy_extras.io_utils import ExportHelper
 
 from .. import registering, rig, skeleton_files, skeleton_properties
 from ..library import Wrong
-from .base import DropsIntoView, Imports, Runs, poll_idle, tells
+from .base import DropsIntoView, Imports, Runs, poll_object_mode, tells
 from .files import SCALE
-
-
-def _poll_object_mode(cls, context):
-    """For `poll`: nothing is edited, and no run is going on."""
-    if not poll_idle(cls):
-        return False
-    if context.mode != "OBJECT":
-        cls.poll_message_set("Go back to Object Mode")
-        return False
-    return True
 
 
 class _NeedsSkeleton:
@@ -28,7 +18,7 @@ class _NeedsSkeleton:
         if skeleton_properties.skeleton_of(context) is None:
             cls.poll_message_set("Pick a skeleton first")
             return False
-        return _poll_object_mode(cls, context)
+        return poll_object_mode(cls, context.mode)
 
 
 class MOULAGE_OT_import_skeleton(Imports, bpy.types.Operator):
@@ -42,7 +32,7 @@ class MOULAGE_OT_import_skeleton(Imports, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _poll_object_mode(cls, context)
+        return poll_object_mode(cls, context.mode)
 
     @tells
     def execute(self, context):
