@@ -214,6 +214,27 @@ fn bodies_apart_keep_every_bit_and_threads_do_not_matter() {
     assert_eq!(on(1), on(3));
 }
 
+/// A bone runs lengthwise through a flat muscle; in places nearly all of the muscle lies inside it. The
+/// muscle leaves on the near side, and is not thrown about.
+#[test]
+fn a_muscle_leaves_a_bone_that_runs_through_it() {
+    let mut muscle = ball("muscle", Vec3::zeros());
+    for p in &mut muscle.tets.points {
+        *p = Vec3::new(0.35 * p.x, 0.6 * p.y, 2.0 * p.z);
+    }
+    let mut bone = Obstacle { name: "bone".into(), surface: sphere(Vec3::zeros()) };
+    for p in &mut bone.surface.points {
+        *p = Vec3::new(0.4 * p.x + 0.2, 0.4 * p.y, 1.6 * p.z + 0.3);
+    }
+    let result = run(std::slice::from_ref(&muscle), std::slice::from_ref(&bone));
+    assert!(result.after.is_empty(), "{:?}", result.after);
+    let soft = (&result.surface_points[0][..], &muscle.triangles[..]);
+    assert_apart(soft, (&bone.surface.points, &bone.surface.triangles));
+    // The muscle reaches to x = -0.35 and 0.35, the bone to -0.2: the way out is 0.55.
+    let (moved, farthest) = result.moved[0];
+    assert!((0.4..0.75).contains(&farthest), "{moved} vertices by {farthest}");
+}
+
 /// Bones that overlap leave no room between them: there is no solution to find.
 #[test]
 fn what_cannot_be_parted_ends_with_no_worse_overlap() {

@@ -19,6 +19,9 @@ use crate::mesh::adjacency::Lists;
 /// A vertex leaves through triangles whose normals lie within this cosine of its way out.
 const FACING: f64 = 0.5;
 
+/// A pair of triangles that crossed and no longer does counts down to this share of the margin inside.
+const NEARLY_OUT: f64 = 0.3;
+
 /// Distance of two points along a fixed normal; at least one of them moves.
 pub(super) struct Contact {
     /// Vertices of the whole scene with their weights: the first point minus the second.
@@ -91,6 +94,7 @@ impl Detector<'_> {
     /// Finds all contacts.
     pub fn look(&self, skins: &[Skin], memory: &mut Memory) -> Found {
         let mut found = Found { contacts: Vec::new(), seeds: vec![Vec::new(); self.bodies.len()] };
+        let mut crossing = BTreeSet::new();
         for (i, j) in near_pairs(skins, self.margin) {
             let inside =
                 [vertices_inside(&skins[i], &skins[j]), vertices_inside(&skins[j], &skins[i])];
@@ -106,14 +110,21 @@ impl Detector<'_> {
                 self.vertices(skins, (s, o), marks.0, shared, &mut found);
             }
             for (t, u) in crossings(&skins[i], &skins[j]) {
-                memory.crossed.insert((i, t, j, u));
+                crossing.insert((i, t, j, u));
                 self.seed(skins, i, t, &mut found);
                 self.seed(skins, j, u, &mut found);
             }
         }
-        for &(i, t, j, u) in &memory.crossed {
+        memory.crossed.extend(&crossing);
+        for pair in &memory.crossed {
+            let &(i, t, j, u) = pair;
+            // A pair that no longer crosses lies apart, along some axis. Where that is far from the way
+            // outwards (walls behind each other, say), it would draw walls through each other; there the
+            // vertices know the way. Near it, the pair would cross again in the next round.
+            let counts =
+                |c: &Contact| crossing.contains(pair) || c.distance > -NEARLY_OUT * self.margin;
             let contact = self.triangles(skins, (i, t), (j, u));
-            found.contacts.extend(contact.filter(|c| c.distance < self.margin));
+            found.contacts.extend(contact.filter(|c| c.distance < self.margin && counts(c)));
         }
         found
     }
@@ -307,6 +318,35 @@ fn nearest_features(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::TetMesh;
+    use crate::mesh::adjacency::vertex_neighbours;
+
+    #[test]
+    fn triangles_that_crossed_on_the_way_in_push_nothing_once_inside() {
+        let tet = |name: &str, size: f64, at: Vec3| {
+            let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            let points = corners.map(|c| Vec3::from(c) * size + at).to_vec();
+            Body::from_tets(name, TetMesh::new(points, vec![[0, 1, 2, 3]]).unwrap()).unwrap()
+        };
+        let large = tet("large", 10.0, Vec3::zeros());
+        // Halfway through the large one's wall at z = 0, and wholly inside.
+        let [crossing, inside] = [-0.3, 1.0].map(|z| tet("small", 1.0, Vec3::new(1.0, 1.0, z)));
+        let bodies = [large, crossing];
+        let graphs: Vec<Lists> =
+            bodies.iter().map(|b| vertex_neighbours(4, &b.triangles)).collect();
+        let detector =
+            Detector { bodies: &bodies, first_vertex: &[0, 4], graphs: &graphs, margin: 0.1 };
+        let skins_at = |points: &[Vec3]| {
+            Skin::all(&bodies, &[bodies[0].tets.points.clone(), points.to_vec()], &[])
+        };
+        let mut memory = Memory::default();
+        detector.look(&skins_at(&bodies[1].tets.points), &mut memory);
+        assert!(!memory.crossed.is_empty());
+        let arrived = detector.look(&skins_at(&inside.tets.points), &mut memory);
+        // The four vertices of the small one, and nothing else, ask to be let out.
+        let deep = arrived.contacts.iter().filter(|c| c.distance < 0.0).count();
+        assert_eq!(deep, 4);
+    }
 
     #[test]
     fn two_edges_that_cut_each_other_are_pushed_apart_where_they_cross() {

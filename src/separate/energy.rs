@@ -17,28 +17,28 @@ use crate::solve::{BlockMatrix, BlockPattern, Factor, SymbolicFactor};
 const HELD: u32 = u32::MAX;
 
 /// Elasticity around the overlaps; vertices of all bodies are numbered through.
-pub(super) struct Elasticity<M> {
+pub(super) struct Elasticity<'a, M> {
     pub material: M,
     /// Tets at free vertices.
     pub tets: Vec<[u32; 4]>,
     pub rest: Vec<RestElement>,
-    pub springs: Vec<Spring>,
+    pub springs: Vec<&'a Spring>,
     /// Where each vertex was, and the stiffness that pulls it back.
-    pub places: Vec<Vec3>,
-    pub pull: Vec<f64>,
+    pub places: &'a [Vec3],
+    pub pull: &'a [f64],
     /// Number of each vertex among the free ones.
     unknown: Vec<u32>,
     free: Vec<u32>,
     plastic: PlasticState,
 }
 
-impl<M: IsotropicDensity> Elasticity<M> {
+impl<'a, M: IsotropicDensity> Elasticity<'a, M> {
     pub fn new(
         material: M,
         all_tets: &[[u32; 4]],
-        springs: Vec<Spring>,
-        places: Vec<Vec3>,
-        pull: Vec<f64>,
+        springs: &'a [Spring],
+        places: &'a [Vec3],
+        pull: &'a [f64],
         is_free: &[bool],
     ) -> Self {
         let moves = |tet: &&[u32; 4]| tet.iter().any(|&v| is_free[v as usize]);
@@ -49,10 +49,9 @@ impl<M: IsotropicDensity> Elasticity<M> {
         for (i, &v) in free.iter().enumerate() {
             unknown[v as usize] = i as u32;
         }
-        let springs =
-            springs.into_iter().filter(|s| s.point.0.iter().any(|e| is_free[e.0 as usize]));
+        let is_felt = |s: &&Spring| s.point.0.iter().any(|e| is_free[e.0 as usize]);
         Self {
-            springs: springs.collect(),
+            springs: springs.iter().filter(is_felt).collect(),
             plastic: PlasticState::from_logarithm(&Sym3::zeros()),
             material,
             tets,
@@ -71,8 +70,8 @@ impl<M: IsotropicDensity> Elasticity<M> {
 
 /// Elasticity with the contacts of one round.
 pub(super) struct Energy<'a, M> {
-    pub elasticity: &'a Elasticity<M>,
-    pub contacts: &'a [Contact],
+    pub elasticity: &'a Elasticity<'a, M>,
+    pub contacts: &'a [&'a Contact],
     /// Wanted distance of each contact.
     pub targets: Vec<f64>,
     /// Stiffness of a contact.

@@ -8,12 +8,16 @@
 //! - `contacts` - which surface points are too near, and in which direction they part
 //! - `way_out`  - in which direction a vertex leaves another body
 //! - `patch`    - the vertices that may move
-//! - `energy`   - elasticity, contact and the pull back, with derivatives
+//! - `islands`  - bodies that are solved together
+//! - `holds`    - what keeps bodies in their places
+//! - `energy`   - elasticity, contact and holds, with derivatives
 //! - `solver`   - rounds of detection and Newton's method
 //! - `overlap`  - what is left, decided exactly
 
 mod contacts;
 mod energy;
+mod holds;
+mod islands;
 mod options;
 mod overlap;
 mod patch;

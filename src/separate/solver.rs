@@ -1,16 +1,18 @@
 //! Rounds of finding contacts and solving for the shape that keeps them apart.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
-use super::contacts::{Detector, Found, Memory};
+use super::contacts::{Contact, Detector, Found, Memory};
 use super::energy::{Elasticity, Energy};
+use super::holds::{marker_springs, pull};
+use super::islands::{Island, overlapping_islands};
 use super::options::Options;
 use super::overlap::{Overlap, overlaps};
 use super::patch::Patch;
-use super::scene::{Body, Obstacle, Skin, surface_point};
+use super::scene::{Body, Obstacle, Skin};
 use crate::error::{Error, Result};
-use crate::fem::{MaterialPoint, Spring, solve_vectors};
-use crate::locate::{ClosestPoints, Solid};
+use crate::fem::{Spring, solve_vectors};
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -33,15 +35,11 @@ const GAP: f64 = 1.0 / 2000.0;
 /// small steps.
 const OPENING: f64 = 0.35;
 
-/// Stiffness of a contact in units of Young's modulus times the mean edge: at first, its growth per
-/// round, at most.
+/// Stiffness of a contact in units of Young's modulus times the mean edge: at first, its growth after
+/// a round that helped little, at most. Stiffer than needed, and bodies slip out sideways like soap.
 const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 2e4];
-
-/// Stiffness of a marker's hold, in the same unit.
-const MARKER_STIFFNESS: f64 = 1.0;
-
-/// The pull back fades within this share of the cube root of a body's volume.
-const FADING: f64 = 0.5;
+/// A round helped little if it leaves more than this share of the overlap.
+const LITTLE_HELP: f64 = 0.8;
 
 /// Newton steps per round.
 const NEWTON_STEPS: usize = 12;
@@ -136,6 +134,10 @@ struct Solver<'a> {
     tets: Vec<[u32; 4]>,
     places: Vec<Vec3>,
     x: Vec<Vec3>,
+    /// What holds surface points where markers were met.
+    springs: Vec<Spring>,
+    /// Stiffness of each vertex' pull back to its place.
+    pull: Vec<f64>,
     gap: f64,
     mean_edge: f64,
 }
@@ -162,7 +164,22 @@ impl<'a> Solver<'a> {
         let gap = options.gap.unwrap_or(GAP * diagonals[diagonals.len() / 2]);
         let x = places.clone();
         let mean_edge = mean_edge(bodies);
-        Self { bodies, obstacles, options, run, first_vertex, tets, places, x, gap, mean_edge }
+        let springs = marker_springs(bodies, obstacles, &first_vertex, mean_edge);
+        let pull = bodies.iter().flat_map(pull).collect();
+        Self {
+            bodies,
+            obstacles,
+            options,
+            run,
+            first_vertex,
+            tets,
+            places,
+            x,
+            springs,
+            pull,
+            gap,
+            mean_edge,
+        }
     }
 
     /// Until nothing overlaps, nothing improves, or the rounds run out; returns their number.
@@ -170,29 +187,16 @@ impl<'a> Solver<'a> {
         let mut patch = Patch::new(self.bodies, self.options.rings);
         let mut memory = Memory::default();
         let graphs = self.graphs();
-        let [first, growth, most] = CONTACT_STIFFNESS;
-        let most_rounds = self.options.max_rounds;
+        let [mut stiffness, growth, most] = CONTACT_STIFFNESS;
         let mut best = (f64::INFINITY, self.x.clone());
+        let mut overlap_before = f64::INFINITY;
         let mut idle = 0;
         let mut round = 0;
         loop {
             if self.run.is_cancelled() && round == 0 {
                 return Err(Error::Cancelled);
             }
-            self.run.enter("pushing apart", round as f64 / (most_rounds + 1) as f64);
-            let points = self.split(&self.x);
-            let skins = Skin::all(self.bodies, &points, self.obstacles);
-            let margin = 0.25 * self.mean_edge + 2.0 * self.gap;
-            let shapes = skins.iter().filter(|s| s.body.is_some()).flat_map(|s| &s.points);
-            self.run.publish_preview(&shapes.copied().collect::<Vec<_>>());
-            self.run.update(|p| p.iteration = round);
-            let detector = Detector {
-                bodies: self.bodies,
-                first_vertex: &self.first_vertex,
-                graphs: &graphs,
-                margin,
-            };
-            let found = detector.look(&skins, &mut memory);
+            let found = self.look(round, &graphs, &mut memory);
             if found.is_clear() {
                 return Ok((round, Ending::Parted));
             }
@@ -201,19 +205,38 @@ impl<'a> Solver<'a> {
             if overlap < best.0 {
                 best = (overlap, self.x.clone());
             }
+            if overlap > LITTLE_HELP * overlap_before {
+                stiffness = most.min(stiffness * growth);
+            }
+            overlap_before = overlap;
             for (b, seeds) in found.seeds.iter().enumerate() {
                 patch.add(b, seeds);
             }
-            let stiffness = (first * growth.powi(round as i32)).min(most) * self.mean_edge;
-            let stuck = idle >= PATIENCE || round == most_rounds;
+            let stuck = idle >= PATIENCE || round == self.options.max_rounds;
             let cancelled = self.run.is_cancelled();
-            // Where shapes contradict each other tets are squeezed until a solution has no digits.
-            if stuck || cancelled || self.relax(&patch, &found, stiffness).is_err() {
+            if stuck || cancelled || !self.relax_all(&patch, &found, stiffness * self.mean_edge) {
                 self.x = best.1;
                 return Ok((round, if cancelled { Ending::Cancelled } else { Ending::Stalled }));
             }
             round += 1;
         }
+    }
+
+    /// Shows the present shape and finds its contacts.
+    fn look(&self, round: usize, graphs: &[Lists], memory: &mut Memory) -> Found {
+        self.run.enter("pushing apart", round as f64 / (self.options.max_rounds + 1) as f64);
+        self.run.update(|p| p.iteration = round);
+        let points = self.split(&self.x);
+        let skins = Skin::all(self.bodies, &points, self.obstacles);
+        let shapes = skins.iter().filter(|s| s.body.is_some()).flat_map(|s| &s.points);
+        self.run.publish_preview(&shapes.copied().collect::<Vec<_>>());
+        let detector = Detector {
+            bodies: self.bodies,
+            first_vertex: &self.first_vertex,
+            graphs,
+            margin: 0.25 * self.mean_edge + 2.0 * self.gap,
+        };
+        detector.look(&skins, memory)
     }
 
     /// Neighbours of each vertex of each surface, in the order of the skins.
@@ -223,25 +246,47 @@ impl<'a> Solver<'a> {
         soft.chain(hard).map(|(count, triangles)| vertex_neighbours(count, triangles)).collect()
     }
 
-    /// Newton's method for the contacts of one round.
-    fn relax(&mut self, patch: &Patch, found: &Found, stiffness: f64) -> Result<()> {
-        let elasticity = self.elasticity(patch, stiffness);
+    /// One round for everything that overlaps; whether anything could be solved for.
+    fn relax_all(&mut self, patch: &Patch, found: &Found, stiffness: f64) -> bool {
+        let islands = overlapping_islands(found, &self.first_vertex);
+        let solved: Vec<_> = islands
+            .par_iter()
+            .map(|island| self.relax(patch, island, stiffness).map(|x| (island, x)))
+            .collect();
+        let any = solved.iter().any(Result::is_ok);
+        // Where shapes contradict each other tets are squeezed until a solution has no digits: these
+        // bodies stay as they are.
+        for (island, x) in solved.into_iter().flatten() {
+            for &b in &island.bodies {
+                let first = self.first_vertex[b] as usize;
+                let own = first..first + self.bodies[b].tets.points.len();
+                self.x[own.clone()].copy_from_slice(&x[own]);
+            }
+        }
+        any
+    }
+
+    /// Newton's method for the contacts of one island in one round.
+    fn relax(&self, patch: &Patch, island: &Island, stiffness: f64) -> Result<Vec<Vec3>> {
+        let elasticity = self.elasticity(patch, &island.bodies, stiffness);
         let opening = OPENING * self.mean_edge;
+        let target = |c: &&Contact| self.gap.min(c.distance + opening);
         let energy = Energy {
             elasticity: &elasticity,
-            contacts: &found.contacts,
-            targets: found.contacts.iter().map(|c| self.gap.min(c.distance + opening)).collect(),
+            contacts: &island.contacts,
+            targets: island.contacts.iter().map(target).collect(),
             stiffness,
         };
         let pattern = energy.pattern()?;
-        let mut value = energy.value(&self.x);
+        let mut x = self.x.clone();
+        let mut value = energy.value(&x);
         for _ in 0..NEWTON_STEPS {
-            let gradient = energy.gradient(&self.x);
-            let step = solve_vectors(&energy.factor(&pattern, &self.x)?, &gradient);
+            let gradient = energy.gradient(&x);
+            let step = solve_vectors(&energy.factor(&pattern, &x)?, &gradient);
             let slope: f64 = -step.iter().zip(&gradient).map(|(s, g)| s.dot(g)).sum::<f64>();
             let mut eta = 1.0;
             let accepted = (0..MAX_HALVINGS).find_map(|_| {
-                let trial = energy.stepped(&self.x, &step, eta);
+                let trial = energy.stepped(&x, &step, eta);
                 let trial_value = energy.value(&trial);
                 if trial_value <= value + ARMIJO * eta * slope {
                     return Some((trial, trial_value));
@@ -249,71 +294,33 @@ impl<'a> Solver<'a> {
                 eta *= 0.5;
                 None
             });
-            let Some((x, lower)) = accepted else { return Ok(()) };
-            (self.x, value) = (x, lower);
+            let Some(lower) = accepted else { break };
+            (x, value) = lower;
             let farthest = step.iter().map(Vec3::norm).fold(0.0, f64::max) * eta;
             if farthest < SMALL_STEP * self.gap || self.run.is_cancelled() {
-                return Ok(());
+                break;
             }
         }
-        Ok(())
+        Ok(x)
     }
 
-    fn elasticity(&self, patch: &Patch, stiffness: f64) -> Elasticity<Tissue> {
+    fn elasticity(
+        &self,
+        patch: &Patch,
+        bodies: &[usize],
+        stiffness: f64,
+    ) -> Elasticity<'_, Tissue> {
         let material = InversionBarrier::new(
             StableNeoHookean::new(1.0, self.options.poisson),
             BARRIER_START,
             (BARRIER_SHARE * stiffness / self.mean_edge).max(1.0),
         );
-        let is_free: Vec<bool> = patch.free.iter().flatten().copied().collect();
-        let springs = self.marker_springs();
-        let (places, pull) = (self.places.clone(), self.pull());
-        Elasticity::new(material, &self.tets, springs, places, pull, &is_free)
-    }
-
-    /// The surface points nearest to the markers are held where they are. Markers inside an obstacle
-    /// hold nothing: the obstacle is right.
-    fn marker_springs(&self) -> Vec<Spring> {
-        let mut springs = Vec::new();
-        let walls: Vec<Solid> = self
-            .obstacles
-            .iter()
-            .map(|o| Solid::new(&o.surface.points, &o.surface.triangles))
-            .collect();
-        for (body, &first) in self.bodies.iter().zip(&self.first_vertex) {
-            let surface = body.surface_points(&body.tets.points);
-            let closest = ClosestPoints::new(&surface, &body.triangles);
-            let in_wall = |p: &&Vec3| walls.iter().any(|wall| wall.holds(p));
-            let markers: Vec<Vec3> = body.markers.iter().filter(|p| !in_wall(p)).copied().collect();
-            for hit in closest.closest_many(&markers).into_iter().flatten() {
-                let MaterialPoint(mut entries) =
-                    surface_point(body, hit.triangle, &hit.barycentric);
-                for entry in &mut entries {
-                    entry.0 += first;
-                }
-                springs.push(Spring {
-                    point: MaterialPoint(entries),
-                    target: hit.position,
-                    stiffness: MARKER_STIFFNESS * self.mean_edge,
-                });
-            }
+        let mut is_free = vec![false; self.x.len()];
+        for &b in bodies {
+            let first = self.first_vertex[b] as usize;
+            is_free[first..][..patch.free[b].len()].copy_from_slice(&patch.free[b]);
         }
-        springs
-    }
-
-    /// Stiffness of each vertex' pull back to its place: its share of the volume over the squared
-    /// distance within which a displacement fades.
-    fn pull(&self) -> Vec<f64> {
-        let mut pull = vec![0.0; self.places.len()];
-        for (body, &first) in self.bodies.iter().zip(&self.first_vertex) {
-            let fading = FADING * body.tets.total_volume().cbrt();
-            for (t, tet) in body.tets.tets.iter().enumerate() {
-                for &v in tet {
-                    pull[(first + v) as usize] += body.tets.volume(t) / 4.0 / (fading * fading);
-                }
-            }
-        }
-        pull
+        Elasticity::new(material, &self.tets, &self.springs, &self.places, &self.pull, &is_free)
     }
 
     /// Vertices of each body.
