@@ -11,7 +11,7 @@ class FilterMoulage : public QObject, public FilterPlugin {
     Q_INTERFACES(FilterPlugin)
 
 public:
-    enum { RESHAPE, REGISTER, TETRAHEDRALIZE, DISTANCE };
+    enum { RESHAPE, REGISTER, SEPARATE, TETRAHEDRALIZE, DISTANCE };
 
     FilterMoulage();
 
@@ -37,6 +37,8 @@ private:
                     vcg::CallBackPos *callback);
     Figures register_skeleton(const RichParameterList &parameters, MeshDocument &document,
                               vcg::CallBackPos *callback);
+    Figures separate(const RichParameterList &parameters, MeshDocument &document,
+                     vcg::CallBackPos *callback);
     Figures tetrahedralize(const RichParameterList &parameters, MeshDocument &document,
                            vcg::CallBackPos *callback);
     Figures distance(const RichParameterList &parameters, MeshDocument &document);
