@@ -18,16 +18,16 @@ if [ ! -x "$root/usr/bin/meshlab" ]; then
         xvfb xauth openbox xdotool imagemagick libgl1-mesa-dri
 fi
 
-cargo build
+cargo build --release
 cmake -S meshlab_plugin -B "$work/2025.07-float" -DMESHLAB_SOURCE_DIR="$work/source" \
     -DMESHLAB_VERSION=2025.07 -DMOULAGE_LIBRARY="$(realpath "${CARGO_TARGET_DIR:-target}/release/libmoulage.a")" >/dev/null
 cmake --build "$work/2025.07-float"
 plugins=$root/root/.local/share/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07
-mkdir -p "$plugins" "$root/work"
+mkdir -p "$plugins" "$root/session"
 cp "$work/2025.07-float/libfilter_moulage.so" "$plugins/"
-cp examples/liver/template.obj tests/meshlab/session.sh "$root/work/"
+cp examples/liver/template.obj tests/meshlab/session.sh "$root/session/"
 # The clicks as a layer: a point cloud.
-python3 - examples/liver/markers.csv "$root/work/markers.xyz" <<'PY'
+python3 - examples/liver/markers.csv "$root/session/markers.xyz" <<'PY'
 import csv, sys
 rows = csv.DictReader(line for line in open(sys.argv[1]) if not line.startswith("#"))
 with open(sys.argv[2], "w") as out:
@@ -36,7 +36,7 @@ PY
 mount --bind /proc "$root/proc" 2>/dev/null || true
 trap 'umount "$root/proc" 2>/dev/null || true' EXIT
 chroot "$root" env HOME=/root LIBGL_ALWAYS_SOFTWARE=1 \
-    xvfb-run -a -s '-screen 0 1280x800x24' bash /work/session.sh
-cp "$root"/work/meshlab-*.png "$pictures/"
-grep -E '308 markers: mean distance|markers: distance to the surface' "$root/work/log" ||
-    { tail -20 "$root/work/log"; echo "the filters said nothing"; exit 1; }
+    xvfb-run -a -s '-screen 0 1280x800x24' bash /session/session.sh
+cp "$root"/session/meshlab-*.png "$pictures/"
+grep -E '308 markers: mean distance|markers: distance to the surface' "$root/session/log" ||
+    { tail -20 "$root/session/log"; echo "the filters said nothing"; exit 1; }

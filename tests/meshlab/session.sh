@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What a user does, on the display that tests/meshlab/desktop.sh gives: load, menu, dialog, apply.
-cd /work
+cd /session
 openbox &
 sleep 1
 meshlab markers.xyz template.obj >log 2>&1 &
