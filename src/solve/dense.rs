@@ -25,7 +25,7 @@ const GROUP: usize = 4;
 
 /// Trace of A^T A up to which its products may be rounded to single precision: beyond, their rounding
 /// outweighs the identity that is added.
-const ROUNDED_PRODUCTS_TRACE: f64 = 1e8;
+const ROUNDED_PRODUCTS_TRACE: f64 = 3e7;
 
 /// A dense matrix in blocks of columns, so that each block can be computed on its own thread.
 pub struct ColumnBlocks<'m, T> {

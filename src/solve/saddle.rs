@@ -8,6 +8,9 @@ use crate::error::Result;
 /// Relative size of the shift that makes a rank-deficient Schur complement solvable.
 const SCHUR_SHIFT: f64 = 1e-12;
 
+/// Share of its trace by which H^T H may be off when its products were rounded to single precision.
+const ROUNDING: f64 = f32::EPSILON as f64;
+
 /// The matrix [ I + share H^T H, P; P^T, 0 ], for any share.
 pub struct SaddleSystem {
     /// H^T H in the lower triangle.
@@ -37,12 +40,18 @@ impl SaddleSystem {
         self.free.len()
     }
 
-    /// Factors.
+    /// Factors. Where the rounding of H^T H outweighs the identity, it is shifted by as much; what that
+    /// costs the solution, corrections find.
     pub fn factor(&self, share: f64) -> Result<SaddleFactor<'_>> {
         let (q, p) = (self.gram.nrows(), self.free.len());
-        let capacity = DenseCholesky::new(Mat::from_fn(q, q, |i, j| {
-            share * self.gram[(i, j)] + f64::from(u8::from(i == j))
-        }))?;
+        let shifted = |shift: f64| {
+            let diagonal = |i, j| if i == j { 1.0 + shift } else { 0.0 };
+            DenseCholesky::new(Mat::from_fn(q, q, |i, j| {
+                share * self.gram[(i, j)] + diagonal(i, j)
+            }))
+        };
+        let trace: f64 = (0..q).map(|i| self.gram[(i, i)]).sum();
+        let capacity = shifted(0.0).or_else(|_| shifted(share * ROUNDING * trace))?;
         let mut solved = Mat::from_fn(q, p, |i, j| self.free[j][i]);
         capacity.solve(solved.as_mut());
         let mut schur = Mat::from_fn(p, p, |j, k| {
@@ -72,5 +81,18 @@ impl SaddleFactor<'_> {
         let y: Vec<f64> = (0..h.len()).map(|j| y[(j, 0)]).collect();
         let taken = |i: usize| (0..y.len()).map(|j| self.solved[(i, j)] * y[j]).sum::<f64>();
         ((0..q).map(|i| a[(i, 0)] - taken(i)).collect(), y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_system_that_rounding_made_indefinite_is_still_solved() {
+        let gram = Mat::from_fn(2, 2, |i, j| if (i, j) == (1, 1) { 1e8 - 5.0 } else { 1e8 });
+        let system = SaddleSystem::new(gram, Vec::new());
+        let (a, _) = system.factor(1.0).unwrap().solve(&[1e8, 1e8], &[]);
+        assert!((a[0] + a[1] - 1.0).abs() < 1e-6, "{a:?}");
     }
 }
