@@ -4,6 +4,8 @@
 #   tests/run.sh core     one part
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# Everything is built once: what a second build would save is not worth its gigabytes.
+export CARGO_INCREMENTAL=0
 
 parts=(core c images workflow python blender meshlab)
 
@@ -29,6 +31,7 @@ run_c() {
     install_debian gcc g++ cmake pkg-config valgrind binutils python3 tetgen
     bash tests/c/run.sh
     bash tests/c/sanitize.sh
+    rm -rf target/sanitize
     bash tests/c/install.sh
 }
 

@@ -22,17 +22,16 @@ window=$!
 trap 'kill "$window" 2>/dev/null || true' EXIT
 
 for version in 4.2.23 4.5.15 5.0.1; do
-    venv=target/blender/bpy-$version
-    if [ ! -e "$venv/ready" ]; then
-        # Blender's wheels are for Python 3.11.
-        python3.11 -m venv "$venv"
-        "$venv/bin/pip" install -q --no-cache-dir "bpy==$version" numpy
-        touch "$venv/ready"
-    fi
+    # One after the other: each takes a gigabyte. Blender's wheels are for Python 3.11.
+    venv=target/blender/bpy
+    rm -rf "$venv"
+    python3.11 -m venv "$venv"
+    "$venv/bin/pip" install -q --no-cache-dir "bpy==$version" numpy
     tool=$(echo "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
     "$venv/bin/python" "$tool" validate "$dist"/moulage-*-linux-x64.zip
     timeout 900 "$venv/bin/python" tests/blender/run.py "$dist"
 done
+rm -rf target/blender/bpy
 
 for folder in CONFIG SCRIPTS DATAFILES; do
     export "BLENDER_USER_$folder=$(mktemp -d)"
