@@ -248,7 +248,7 @@ fn direction(tets: usize, marker_count: usize, rate: f64) {
         // A normal row each, and two tangential ones for every second.
         let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
         let count = if k % 2 == 0 { 3 } else { 1 };
-        rows.add(point, axes.into_iter().take(count).map(|d| (d, 0.01, 1e4)));
+        rows.add(&point, axes.into_iter().take(count).map(|d| (d, 0.01, 1e4)));
     }
     let stiffness = fastest(|| drop(body.stiffness(&x, &plastic, Curvature::True)));
     let mut factor = None;

@@ -74,7 +74,7 @@ impl Setup {
             let point = MaterialPoint(vec![(v, 0.7), (v - 9, 0.3)]);
             let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
             let residual = |d: &Vec3| 0.1 * (f64::from(v) + d.y).cos();
-            rows.add(point, axes.map(|d| (d, residual(&d), 20.0 + f64::from(v))));
+            rows.add(&point, axes.map(|d| (d, residual(&d), 20.0 + f64::from(v))));
         }
         Self { body, space, s, x, plastic, rows }
     }
@@ -112,11 +112,7 @@ impl Setup {
         };
         let (mut z, mut r) = (DMatrix::zeros(self.rows.rows.len(), n), DMatrix::zeros(n, n));
         for k in 0..n {
-            let dx = at.shape_change(&unit(k));
-            for (i, row) in self.rows.rows.iter().enumerate() {
-                let moved = self.rows.points[row.point].position(&dx);
-                z[(i, k)] = row.weight.sqrt() * row.direction.dot(&moved);
-            }
+            z.set_column(k, &DVector::from_vec(self.rows.measure(&at.shape_change(&unit(k)))));
             for (c, column) in prior.apply(&unit(k)).iter().enumerate() {
                 r.view_mut((6 * c, k), (6, 1)).copy_from(column);
             }
@@ -167,8 +163,8 @@ fn conjugate_gradients_over_representatives_equal_the_dual() {
         let anchor = vec![Sym3::new(0.1, 0.0, 0.02, 0.0, 0.0, -0.1); setup.s.len()];
         // Five of the nine points, counted double.
         let mut few = Rows::default();
-        for (point, rows) in setup.rows.points.iter().zip(setup.rows.rows.chunks(3)).step_by(2) {
-            few.add(point.clone(), rows.iter().map(|r| (r.direction, r.residual, 2.0 * r.weight)));
+        for row in setup.rows.rows.chunks(3).step_by(2).flatten() {
+            few.push(setup.rows.gradient(row).to_vec(), row.residual, 2.0 * row.weight);
         }
         for (screening, damping) in [(None, 0.0), (Some(0.7), 0.0), (Some(0.7), 3.0)] {
             let prior = setup.smoothness(screening);

@@ -102,7 +102,7 @@ fn landmark_points(golden: &Golden) -> (Vec<MaterialPoint>, Vec<Vec3>) {
 
 fn add_rows(rows: &mut Rows, x: &[Vec3], point: &MaterialPoint, target: Vec3, weight: f64) {
     let gap = point.position(x) - target;
-    rows.add(point.clone(), [Vec3::x(), Vec3::y(), Vec3::z()].map(|d| (d, d.dot(&gap), weight)));
+    rows.add(point, [Vec3::x(), Vec3::y(), Vec3::z()].map(|d| (d, d.dot(&gap), weight)));
 }
 
 struct Beam {

@@ -1,6 +1,7 @@
 //! What a user of `reshape` may rely on, on a ball that becomes an ellipsoid.
 #![allow(clippy::unwrap_used)]
 
+use moulage::locate::ClosestPoints;
 use moulage::math::{Mat3, Vec3};
 use moulage::mesh::TriMesh;
 use moulage::reshape::{
@@ -160,16 +161,22 @@ fn a_moved_landmark_is_followed_from_the_earlier_shape() {
     assert!(error.to_string().contains("another template"));
 }
 
+/// Points of the true surface all over, from a low-discrepancy sequence on the sphere.
+fn dense_markers(count: u32) -> impl Iterator<Item = Marker> {
+    (0..count).map(move |k| {
+        let (share, turn) =
+            ((2.0 * f64::from(k) + 1.0) / f64::from(count), 2.399_963 * f64::from(k));
+        let z = 1.0 - share;
+        let r = (1.0 - z * z).sqrt();
+        let p = Vec3::new(r * turn.cos(), r * turn.sin(), z);
+        Marker { position: truth(&p), weight: 1.0 }
+    })
+}
+
 #[test]
 fn thousands_of_markers_are_met_as_well_as_hundreds() {
     let mut problem = problem(1.0, |p| *p);
-    for k in 0..3000_u32 {
-        // Points of the true surface all over, from a low-discrepancy sequence on the sphere.
-        let (z, turn) = (1.0 - (2.0 * f64::from(k) + 1.0) / 3000.0, 2.399_963 * f64::from(k));
-        let r = (1.0 - z * z).sqrt();
-        let p = Vec3::new(r * turn.cos(), r * turn.sin(), z);
-        problem.markers.push(Marker { position: truth(&p), weight: 1.0 });
-    }
+    problem.markers.extend(dense_markers(3000));
     let many = solve(&problem);
     let last = many.summary.iterations.last().unwrap();
     // The ball's flat triangles lie within .02 of the sphere.
@@ -206,6 +213,26 @@ fn one_wrong_landmark_loses_to_the_markers() {
         let off = (result.surface_points[v] - truth(&problem.surface.points[v])).norm();
         assert!(off < 0.05, "landmark {v} is {off} off");
     }
+}
+
+#[test]
+fn wrong_markers_are_given_up_in_the_end() {
+    let mut problem = problem(1.0, |p| *p);
+    problem.markers.extend(dense_markers(600));
+    let right = problem.markers.len();
+    let center = truth(&Vec3::zeros());
+    let wrong = [20, 40].map(|k| center + 1.4 * (problem.markers[k].position - center));
+    problem.markers.extend(wrong.map(|position| Marker { position, weight: 1.0 }));
+    let result = solve(&problem);
+    assert_eq!(result.summary.stop, Stop::Settled);
+    let tree = ClosestPoints::new(&result.surface_points, &problem.surface.triangles);
+    let off: Vec<f64> =
+        problem.markers.iter().map(|m| tree.closest(&m.position).unwrap().distance).collect();
+    let (off, far) = off.split_at(right);
+    let mean = off.iter().sum::<f64>() / right as f64;
+    assert!(far.iter().all(|d| *d > 0.2), "{far:?}");
+    assert!(mean < 0.02, "{mean}");
+    assert_eq!(inverted(&problem, &result), 0);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::fem::rigid_modes;
 use crate::math::symmetric3::{MULTIPLICITY, exp, exp_with_derivatives};
 use crate::math::{Mat3, Sym3, Vec3};
 
-use super::evidence::{Contact, Weights, rows};
+use super::evidence::{Belief, Contact, Weights, rows};
 use super::rows::Rows;
 use super::scene::Scene;
 
@@ -57,7 +57,7 @@ pub fn affine_start(scene: &Scene) -> AffineStart {
 
 /// Weights for a fit that cannot be exact: each group counts by the spread of its residuals.
 fn spread_weights(scene: &Scene, contact: &Contact, x: &[Vec3]) -> Weights {
-    let mut weights = Weights::new(scene, contact, x, 1.0, false);
+    let mut weights = Weights::new(scene, contact, x, Belief::ROBUST, false);
     let distances = contact.distances();
     let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
     let scale = scene.marker_sigma.powi(2) / mean_square.max(scene.marker_sigma.powi(2));
@@ -74,13 +74,14 @@ fn step(data: &Rows, x: &[Vec3], rest: &[Vec3], rotation: &Mat3, s: &Sym3) -> SV
     let mut residual = DVector::zeros(data.rows.len() + 6);
     for (i, row) in data.rows.iter().enumerate() {
         let c = row.weight.sqrt();
-        let point = &data.points[row.point];
-        let at_rest = point.position(rest);
-        for (p, derivative) in derivatives.iter().enumerate() {
-            jacobian[(i, p)] = c * row.direction.dot(&(rotation * (derivative * at_rest)));
-        }
-        for (k, mode) in rigid_modes(&point.position(x), &Vec3::zeros()).iter().enumerate() {
-            jacobian[(i, 6 + k)] = c * row.direction.dot(mode);
+        for &(v, gradient) in data.gradient(row) {
+            let (at_rest, at) = (rest[v as usize], x[v as usize]);
+            for (p, derivative) in derivatives.iter().enumerate() {
+                jacobian[(i, p)] += c * gradient.dot(&(rotation * (derivative * at_rest)));
+            }
+            for (k, mode) in rigid_modes(&at, &Vec3::zeros()).iter().enumerate() {
+                jacobian[(i, 6 + k)] += c * gradient.dot(mode);
+            }
         }
         residual[i] = c * row.residual;
     }

@@ -32,6 +32,22 @@ pub struct Weights {
     pub attachments: Vec<f64>,
 }
 
+/// How far the markers are believed.
+#[derive(Clone, Copy, Debug)]
+pub struct Belief {
+    /// Multiplies their weight.
+    pub scale: f64,
+    /// Whether those far beyond the others lose weight.
+    pub robust: bool,
+}
+
+impl Belief {
+    /// At the weight that the tolerance gives, but for outliers.
+    pub const ROBUST: Self = Self { scale: 1.0, robust: true };
+    /// Every one at its word.
+    pub const LITERAL: Self = Self { scale: 1.0, robust: false };
+}
+
 /// The surface of a shape and where the markers touch it.
 pub struct Contact {
     /// Closest surface point of each marker.
@@ -39,6 +55,8 @@ pub struct Contact {
     /// Direction of the distance: towards the marker while it is far, the surface normal when it
     /// is near. At edges and tips the two differ, and only the first leads there.
     normals: Vec<Vec3>,
+    /// The surface's vertices.
+    points: Vec<Vec3>,
 }
 
 impl Contact {
@@ -69,7 +87,7 @@ impl Contact {
                     .unwrap_or_else(Vec3::z)
             })
             .collect();
-        Self { hits, normals }
+        Self { hits, normals, points: surface.points }
     }
 
     /// Distances of the markers to the surface.
@@ -79,17 +97,18 @@ impl Contact {
 }
 
 impl Weights {
-    /// From the present residuals; `data_scale` multiplies the markers' weight (continuation).
+    /// From the present residuals.
     pub fn new(
         scene: &Scene,
         contact: &Contact,
         x: &[Vec3],
-        data_scale: f64,
+        belief: Belief,
         hard_attachments: bool,
     ) -> Self {
         let distances = contact.distances();
-        let c = data_scale / scene.marker_sigma.powi(2);
-        let limit = OUTLIER * scene.marker_sigma.max(SIGMA_PER_MEDIAN * median(&distances));
+        let c = belief.scale / scene.marker_sigma.powi(2);
+        let limit =
+            if belief.robust { OUTLIER * marker_noise(scene, &distances) } else { f64::INFINITY };
         let markers = scene
             .markers
             .iter()
@@ -111,6 +130,11 @@ impl Weights {
             ),
         }
     }
+}
+
+/// The spread of the markers' distances, never below their tolerance.
+pub fn marker_noise(scene: &Scene, distances: &[f64]) -> f64 {
+    scene.marker_sigma.max(SIGMA_PER_MEDIAN * median(distances))
 }
 
 /// Pairs that are taken at their word.
@@ -138,7 +162,7 @@ pub fn rows(scene: &Scene, contact: &Contact, weights: &Weights, x: &[Vec3]) -> 
     for (i, &weight) in weights.markers.iter().enumerate() {
         add_marker(&mut rows, scene, contact, i, weight, i % HOLDING == 0);
     }
-    add_others(&mut rows, scene, weights, x);
+    add_others(&mut rows, scene, contact, weights, x);
     rows
 }
 
@@ -155,7 +179,7 @@ pub fn representatives(
         let weight = group.members.iter().map(|&m| weights.markers[m as usize]).sum();
         add_marker(&mut rows, scene, contact, group.middle as usize, weight, i % HOLDING == 0);
     }
-    add_others(&mut rows, scene, weights, x);
+    add_others(&mut rows, scene, contact, weights, x);
     Some(rows)
 }
 
@@ -175,24 +199,31 @@ fn add_marker(
     let directions = [(normal, weight), (t1, holding), (t2, holding)];
     let count = if holds || far { 3 } else { 1 };
     let point = scene.surface_point(hit.triangle, &hit.barycentric);
-    rows.add(point, directions.into_iter().take(count).map(|(d, c)| (d, d.dot(&gap), c)));
+    rows.add(&point, directions.into_iter().take(count).map(|(d, c)| (d, d.dot(&gap), c)));
 }
 
-/// Rows of the pairs and of the template's points that stick out.
-fn add_others(rows: &mut Rows, scene: &Scene, weights: &Weights, x: &[Vec3]) {
+/// Rows of the pairs, of the template's points that stick out, and of folds.
+fn add_others(rows: &mut Rows, scene: &Scene, contact: &Contact, weights: &Weights, x: &[Vec3]) {
     for (pairs, weights) in
         [(&scene.landmarks, &weights.landmarks), (&scene.attachments, &weights.attachments)]
     {
         for (pair, &weight) in pairs.iter().zip(weights) {
             let gap = pair.point.position(x) - pair.target;
             let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-            rows.add(pair.point.clone(), axes.map(|d| (d, d.dot(&gap), weight)));
+            rows.add(&pair.point, axes.map(|d| (d, d.dot(&gap), weight)));
         }
     }
     for excess in scene.coverage.iter().flat_map(|c| c.excesses(x)) {
         let spacing = scene.coverage.as_ref().map_or(1.0, super::coverage::Coverage::spacing);
         let weight = 1.0 / (spacing * spacing);
-        rows.add(excess.point.clone(), [(excess.direction, excess.residual * spacing, weight)]);
+        rows.add(excess.point, [(excess.direction, excess.residual * spacing, weight)]);
+    }
+    for fold in scene.folds.iter().flat_map(|folds| folds.excesses(&contact.points)) {
+        let gradient = fold.corners.iter().zip(&fold.gradient).flat_map(|(&corner, gradient)| {
+            let point = scene.surface_vertex(corner);
+            point.map(move |(v, w)| (v, gradient * w))
+        });
+        rows.push(gradient, fold.residual, fold.weight);
     }
 }
 

@@ -99,10 +99,10 @@ impl<'a, M: IsotropicDensity> Linearization<'a, M> {
                 let mut y = stiffness.memory().take(3 * self.x.len() * width);
                 y.fill(T::from_f64(0.0));
                 for (c, row) in part.iter().enumerate() {
-                    let scaled = row.direction * -row.weight.sqrt();
-                    for &(v, w) in &rows.points[row.point].0 {
+                    for &(v, gradient) in rows.gradient(row) {
+                        let scaled = gradient * -row.weight.sqrt();
                         for axis in 0..3 {
-                            y[(3 * v as usize + axis) * width + c] += T::from_f64(scaled[axis] * w);
+                            y[(3 * v as usize + axis) * width + c] += T::from_f64(scaled[axis]);
                         }
                     }
                 }

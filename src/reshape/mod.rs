@@ -5,6 +5,8 @@ mod again;
 mod coverage;
 mod damping;
 mod evidence;
+mod far_markers;
+mod folds;
 mod gauss_newton;
 mod linearization;
 mod marker_groups;

@@ -1,41 +1,54 @@
-//! Weighted scalar residuals of points of the body.
+//! Weighted scalar residuals of the shape, with their gradients.
+
+use std::ops::Range;
 
 use crate::fem::MaterialPoint;
 use crate::math::Vec3;
 
-/// A set of weighted residuals sqrt(weight) direction . (point - target).
+/// A set of weighted residuals.
 #[derive(Clone, Debug, Default)]
 pub struct Rows {
-    /// Points of the body that rows refer to.
-    pub points: Vec<MaterialPoint>,
     /// The rows.
     pub rows: Vec<Row>,
+    /// The gradients of all rows: vertices and directions, row after row.
+    gradients: Vec<(u32, Vec3)>,
 }
 
 /// One scalar residual.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Row {
-    /// Index into the points.
-    pub point: usize,
-    /// Direction in which the residual is measured (unit length).
-    pub direction: Vec3,
-    /// direction . (point - target) at the present shape.
+    /// Its place among the gradients.
+    gradient: Range<usize>,
+    /// Its value at the present shape.
     pub residual: f64,
     /// c = 1 / sigma^2.
     pub weight: f64,
 }
 
 impl Rows {
-    /// Adds the rows of one point.
-    pub fn add(&mut self, point: MaterialPoint, rows: impl IntoIterator<Item = (Vec3, f64, f64)>) {
-        let index = self.points.len();
-        self.points.push(point);
-        self.rows.extend(rows.into_iter().map(|(direction, residual, weight)| Row {
-            point: index,
-            direction,
-            residual,
-            weight,
-        }));
+    /// Adds rows of one point: direction . (point - target) for each direction of unit length, with
+    /// its value at the present shape and its weight.
+    pub fn add(&mut self, point: &MaterialPoint, rows: impl IntoIterator<Item = (Vec3, f64, f64)>) {
+        for (direction, residual, weight) in rows {
+            self.push(point.0.iter().map(|&(v, w)| (v, direction * w)), residual, weight);
+        }
+    }
+
+    /// Adds a row by its gradient.
+    pub fn push(
+        &mut self,
+        gradient: impl IntoIterator<Item = (u32, Vec3)>,
+        residual: f64,
+        weight: f64,
+    ) {
+        let first = self.gradients.len();
+        self.gradients.extend(gradient);
+        self.rows.push(Row { gradient: first..self.gradients.len(), residual, weight });
+    }
+
+    /// The vertices that move a row's residual, and how.
+    pub fn gradient(&self, row: &Row) -> &[(u32, Vec3)] {
+        &self.gradients[row.gradient.clone()]
     }
 
     /// 1/2 sum c residual^2.
@@ -48,21 +61,20 @@ impl Rows {
         self.rows.iter().map(|r| r.weight.sqrt() * r.residual).collect()
     }
 
-    /// sqrt(c) direction . field(point), per row.
-    pub(super) fn measure(&self, field: &[Vec3]) -> Vec<f64> {
-        self.rows
-            .iter()
-            .map(|r| r.weight.sqrt() * r.direction.dot(&self.points[r.point].position(field)))
-            .collect()
+    /// sqrt(c) gradient . field, per row.
+    pub fn measure(&self, field: &[Vec3]) -> Vec<f64> {
+        let change = |row: &Row| -> f64 {
+            self.gradient(row).iter().map(|&(v, g)| g.dot(&field[v as usize])).sum()
+        };
+        self.rows.iter().map(|row| row.weight.sqrt() * change(row)).collect()
     }
 
-    /// sum over rows of a sqrt(c) direction, spread to the vertices.
+    /// sum over rows of a sqrt(c) gradient, per vertex.
     pub(super) fn spread(&self, a: &[f64], vertices: usize) -> Vec<Vec3> {
         let mut field = vec![Vec3::zeros(); vertices];
         for (row, a) in self.rows.iter().zip(a) {
-            let force = row.direction * (row.weight.sqrt() * a);
-            for &(v, w) in &self.points[row.point].0 {
-                field[v as usize] += force * w;
+            for &(v, g) in self.gradient(row) {
+                field[v as usize] += g * (row.weight.sqrt() * a);
             }
         }
         field

@@ -11,6 +11,7 @@ use crate::mesh::TetMesh;
 
 use super::again::Earlier;
 use super::coverage::Coverage;
+use super::folds::Folds;
 use super::marker_groups::{MarkerGroup, marker_groups};
 use super::numbering::Numbering;
 use super::options::Options;
@@ -76,6 +77,8 @@ pub struct Scene {
     pub attachments: Vec<Pair>,
     /// Where the markers cover the person, when that can be known.
     pub coverage: Option<Coverage>,
+    /// The surface's edges, which are kept from folding over; not by the published formulation.
+    pub folds: Option<Folds>,
     /// Noise of a marker.
     pub marker_sigma: f64,
     /// Noise of a trusted landmark.
@@ -188,6 +191,8 @@ impl Scene {
             marker_groups: marker_groups(&positions),
             markers,
             coverage,
+            folds: (!options.paper)
+                .then(|| Folds::new(points, &problem.surface.triangles, tolerance * length)),
             landmarks,
             attachments,
             marker_sigma: tolerance,
@@ -215,6 +220,12 @@ impl Scene {
     /// Positions in the template's unit and frame.
     pub fn outward(&self, x: &[Vec3]) -> Vec<Vec3> {
         x.iter().map(|x| x * self.length + self.center).collect()
+    }
+
+    /// The body's vertices that carry a surface vertex, with their weights.
+    pub fn surface_vertex(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
+        let v = vertex as usize;
+        self.embedding.vertices[v].into_iter().zip(self.embedding.weights[v])
     }
 
     /// The body's point that a surface point is.

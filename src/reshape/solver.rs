@@ -10,7 +10,7 @@ use crate::run::Run;
 use super::affine_start::affine_start;
 use super::again::Earlier;
 use super::damping::Damping;
-use super::evidence::{Contact, Weights, rows};
+use super::evidence::{Belief, Contact, Weights, rows};
 use super::options::Options;
 use super::problem::Problem;
 use super::scene::Scene;
@@ -73,7 +73,8 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     options.check()?;
     run.enter("preparing", 0.0);
     let (mut solver, state) = Solver::start(problem, options, run)?;
-    let state = solver.minimize(state)?;
+    let state = solver.minimize(state, FIRST_DATA_SCALE)?;
+    let state = solver.reconsider_far_markers(state)?;
     Ok(solver.finish(state, problem))
 }
 
@@ -146,19 +147,20 @@ impl<'a> Solver<'a> {
         Ok(State { s, x: equilibrium.x })
     }
 
-    /// Gauss-Newton with a growing weight of the markers.
-    fn minimize(&mut self, mut state: State) -> Result<State> {
-        let (mut scale, mut small_decreases) = (FIRST_DATA_SCALE, 0);
+    /// Gauss-Newton with the markers' weight growing from a share of it, until nothing is gained.
+    pub(super) fn minimize(&mut self, mut state: State, mut scale: f64) -> Result<State> {
+        let mut small_decreases = 0;
         // Whether the last step, at the full weight, gained little: where markers change their
         // matches, the objective has kinks, and then no better step is no fault.
-        let mut settling = false;
+        let mut settling = scale >= 1.0;
         loop {
-            self.record(&state, scale);
+            let belief = Belief { scale, robust: true };
+            self.record(&state, belief);
             if let Some(stop) = self.interruption() {
                 self.summary.stop = stop;
                 return Ok(state);
             }
-            let accepted = self.step(&state, scale)?;
+            let accepted = self.step(&state, belief)?;
             let decrease = accepted.as_ref().map(|(_, decrease)| *decrease);
             if let Some((next, _)) = accepted {
                 state = next;
@@ -169,7 +171,7 @@ impl<'a> Solver<'a> {
                 settling = scale >= 1.0 && decrease < SETTLING_DECREASE;
             }
             if scale >= 1.0 && (small_decreases == 2 || decrease.is_none()) {
-                self.record(&state, scale);
+                self.record(&state, belief);
                 self.summary.stop = self.verdict(settling);
                 return Ok(state);
             }
@@ -182,18 +184,18 @@ impl<'a> Solver<'a> {
     /// Gauss-Newton at the full weight of the data, until a step gains less than the share `least`.
     pub(super) fn settle(&mut self, mut state: State, least: f64) -> Result<State> {
         loop {
-            self.record(&state, 1.0);
+            self.record(&state, Belief::ROBUST);
             if let Some(stop) = self.interruption() {
                 self.summary.stop = stop;
                 return Ok(state);
             }
-            let accepted = self.step(&state, 1.0)?;
+            let accepted = self.step(&state, Belief::ROBUST)?;
             let decrease = accepted.as_ref().map(|(_, decrease)| *decrease);
             if let Some((next, _)) = accepted {
                 state = next;
             }
             if decrease.is_none_or(|decrease| decrease < least) {
-                self.record(&state, 1.0);
+                self.record(&state, Belief::ROBUST);
                 // A settled start has no better step, and that is no fault.
                 self.summary.stop = self.verdict(true);
                 return Ok(state);
@@ -234,17 +236,17 @@ impl<'a> Solver<'a> {
     }
 
     /// Notes where the run stands and tells those who watch.
-    fn record(&mut self, state: &State, scale: f64) {
+    pub(super) fn record(&mut self, state: &State, belief: Belief) {
         let contact = Contact::new(&self.scene, &state.x);
         let distances = contact.distances();
         let mean =
             distances.iter().sum::<f64>() / distances.len().max(1) as f64 * self.scene.length;
         let max = distances.iter().copied().fold(0.0, f64::max) * self.scene.length;
         let weights =
-            Weights::new(&self.scene, &contact, &state.x, scale, self.options.hard_attachments);
+            Weights::new(&self.scene, &contact, &state.x, belief, self.options.hard_attachments);
         let data = rows(&self.scene, &contact, &weights, &state.x).energy();
         let record = IterationRecord {
-            data_scale: scale,
+            data_scale: belief.scale,
             objective: data + self.prior(&state.s),
             mean_marker_distance: mean,
             max_marker_distance: max,
@@ -265,7 +267,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Why to stop before the end, if so.
-    fn interruption(&self) -> Option<Stop> {
+    pub(super) fn interruption(&self) -> Option<Stop> {
         if self.run.is_cancelled() {
             return Some(Stop::Cancelled);
         }

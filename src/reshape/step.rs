@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::damping::Damping;
-use super::evidence::{Contact, Weights, representatives, rows};
+use super::evidence::{Belief, Contact, Weights, representatives, rows};
 use super::gauss_newton::{Direction, NormalEquations};
 use super::linearization::Linearization;
 use super::solver::{Solver, State};
@@ -16,7 +16,7 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 const MAX_ROUNDS: i32 = 3;
 
 /// How exact directions are; the trials judge them.
-const DIRECTION_REDUCTION: f64 = 1e-3;
+const DIRECTION_REDUCTION: f64 = 1e-4;
 
 /// The same for very many markers, where each digit costs steps of conjugate gradients.
 const ITERATED_REDUCTION: f64 = 0.03;
@@ -46,10 +46,10 @@ struct Attempt {
 impl Solver<'_> {
     /// One Gauss-Newton step; `None` when no step lowers the objective. With it the relative
     /// decrease.
-    pub(super) fn step(&mut self, state: &State, scale: f64) -> Result<Option<(State, f64)>> {
+    pub(super) fn step(&mut self, state: &State, belief: Belief) -> Result<Option<(State, f64)>> {
         let contact = Contact::new(&self.scene, &state.x);
         let weights =
-            Weights::new(&self.scene, &contact, &state.x, scale, self.options.hard_attachments);
+            Weights::new(&self.scene, &contact, &state.x, belief, self.options.hard_attachments);
         let rows = rows(&self.scene, &contact, &weights, &state.x);
         let representatives = representatives(&self.scene, &contact, &weights, &state.x);
         let plastic = self.plastic(&state.s);
