@@ -199,6 +199,61 @@ fn beam_equilibrium_step_and_energies() {
     }
 }
 
+/// Gauss-Newton from the reference's constant strain to its converged shape.
+#[test]
+fn beam_converges_to_the_same_shape() {
+    let beam = Beam::load();
+    for (name, space) in [
+        ("graph_linear", StrainSpace::PAPER),
+        ("nodal_linear", LINEAR_NODAL),
+        ("nodal_log", StrainSpace::NODAL_LOGARITHM),
+    ] {
+        let golden = |what: &str| format!("{name}_{what}");
+        let smoothness = smoothness(&beam.body, &space);
+        let reach = |s: &[Sym3], x: &[Vec3]| {
+            let plastic = space.states(s, &beam.body.mesh.tets);
+            beam.body.equilibrate(x.to_vec(), &plastic, &TIGHT).unwrap()
+        };
+        let objective = |s: &[Sym3], x: &[Vec3]| smoothness.energy(s) + beam.rows(x).energy();
+
+        let constant = beam.golden.strains(&golden("const_s"))[0];
+        let mut s = vec![constant; beam.golden.strains(&golden("s_in")).len()];
+        let mut x = reach(&s, &beam.body.mesh.points).x;
+        let expected = beam.golden.vectors(&golden("const_x"));
+        assert!(largest_distance(&x, &expected) < 1e-8, "{name}: constant strain");
+
+        let anchor = vec![Sym3::zeros(); s.len()];
+        let mut value = objective(&s, &x);
+        for _ in 0..60 {
+            let plastic = space.states(&s, &beam.body.mesh.tets);
+            let factor = beam.body.factor_stiffness(&x, &plastic).unwrap();
+            let sensitivity = Sensitivity::new(&beam.body, &space, &x, &plastic);
+            let at = Linearization::new(&beam.body, &factor, &sensitivity, &x);
+            let rows = beam.rows(&x);
+            let equations = NormalEquations::new(&at, &rows, None, &smoothness);
+            let step = equations.direction(&s, &anchor, 0.0, 1e-10).unwrap();
+            let lower = (0..8).find_map(|k| {
+                let eta = 0.5_f64.powi(k);
+                let s: Vec<Sym3> = s.iter().zip(&step.ds).map(|(s, ds)| s + ds * eta).collect();
+                let reached = reach(&s, &x);
+                let lower = objective(&s, &reached.x);
+                (reached.outcome == Outcome::Converged && lower < value)
+                    .then_some((s, reached.x, lower))
+            });
+            let Some((next_s, next_x, lower)) = lower else { break };
+            let settled = lower > value * (1.0 - 1e-10);
+            (s, x, value) = (next_s, next_x, lower);
+            if settled {
+                break;
+            }
+        }
+        let phi = beam.golden.numbers(&golden("phi_reg_data"))[0];
+        let off = largest_distance(&x, &beam.golden.vectors(&golden("x_final")));
+        assert!(relative((value - phi).abs(), phi) < 1e-3, "{name}: {value} beside {phi}");
+        assert!(off < 1e-3, "{name}: {off} off");
+    }
+}
+
 /// What is left of a field of small displacements when its rigid part is taken out.
 fn without_rigid_part(field: &[Vec3], x: &[Vec3], center: &Vec3) -> Vec<Vec3> {
     let modes: Vec<_> = x.iter().map(|x| rigid_modes(x, center)).collect();
