@@ -20,13 +20,20 @@ const WORTH_ANOTHER: f64 = 0.02;
 impl Solver<'_> {
     /// Takes every marker at its word for some steps, then doubts again: one that was right lies on
     /// its own sheet now, one that was wrong is given up as before. The lower objective is kept.
+    /// The published formulation does without.
     pub(super) fn reconsider_far_markers(&mut self, state: State) -> Result<State> {
         let mut best = state;
-        while self.summary.stop == Stop::Settled && self.has_far_markers(&best) {
+        if self.options.paper {
+            return Ok(best);
+        }
+        while self.summary.stop == Stop::Settled
+            && self.interruption().is_none()
+            && self.has_far_markers(&best)
+        {
             let least = self.objective_on_record();
             let other = self.follow_all_markers(best.clone())?;
-            if self.summary.stop == Stop::NoStep {
-                // The shape before had settled: that nothing is better is no fault.
+            if matches!(self.summary.stop, Stop::NoStep | Stop::IterationLimit) {
+                // The shape before had settled: that nothing better was found is no fault.
                 self.summary.stop = Stop::Settled;
             }
             let gain = 1.0 - self.objective_on_record() / least;
