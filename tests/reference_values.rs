@@ -11,7 +11,7 @@ use moulage::fem::{
 use moulage::material::StableNeoHookean;
 use moulage::math::{Sym3, Vec3};
 use moulage::mesh::TetMesh;
-use moulage::reshape::{Linearization, NormalEquations, Rows};
+use moulage::reshape::{Direction, Linearization, NormalEquations, Rows};
 
 /// A file of named flat arrays.
 struct Golden(HashMap<String, Vec<f64>>);
@@ -146,6 +146,23 @@ impl Beam {
         }
         rows
     }
+
+    /// The undamped Gauss-Newton step at the strain `s` and its equilibrium `x`.
+    fn step(
+        &self,
+        space: &StrainSpace,
+        smoothness: &StrainSmoothness,
+        s: &[Sym3],
+        x: &[Vec3],
+    ) -> Direction {
+        let plastic = space.states(s, &self.body.mesh.tets);
+        let factor = self.body.factor_stiffness(x, &plastic).unwrap();
+        let sensitivity = Sensitivity::new(&self.body, space, x, &plastic);
+        let at = Linearization::new(&self.body, &factor, &sensitivity, x);
+        let rows = self.rows(x);
+        let equations = NormalEquations::new(&at, &rows, None, smoothness);
+        equations.direction(s, &vec![Sym3::zeros(); s.len()], 0.0, 1e-13).unwrap()
+    }
 }
 
 fn largest_distance(a: &[Vec3], b: &[Vec3]) -> f64 {
@@ -181,13 +198,7 @@ fn beam_equilibrium_step_and_energies() {
         assert!(largest_distance(&found.x, &expected_x) < 1e-8, "{name}: equilibrium");
 
         let smoothness = smoothness(&beam.body, &space);
-        let factor = beam.body.factor_stiffness(&found.x, &plastic).unwrap();
-        let sensitivity = Sensitivity::new(&beam.body, &space, &found.x, &plastic);
-        let at = Linearization::new(&beam.body, &factor, &sensitivity, &found.x);
-        let anchor = vec![Sym3::zeros(); s.len()];
-        let rows = beam.rows(&found.x);
-        let equations = NormalEquations::new(&at, &rows, None, &smoothness);
-        let step = equations.direction(&s, &anchor, 0.0, 1e-13).unwrap();
+        let step = beam.step(&space, &smoothness, &s, &found.x);
         let expected = beam.golden.strains(&format!("{name}_ds"));
         assert!(relative_difference(&step.ds, &expected) < 1e-6, "{name}: step");
 
@@ -222,16 +233,9 @@ fn beam_converges_to_the_same_shape() {
         let expected = beam.golden.vectors(&golden("const_x"));
         assert!(largest_distance(&x, &expected) < 1e-8, "{name}: constant strain");
 
-        let anchor = vec![Sym3::zeros(); s.len()];
         let mut value = objective(&s, &x);
         for _ in 0..60 {
-            let plastic = space.states(&s, &beam.body.mesh.tets);
-            let factor = beam.body.factor_stiffness(&x, &plastic).unwrap();
-            let sensitivity = Sensitivity::new(&beam.body, &space, &x, &plastic);
-            let at = Linearization::new(&beam.body, &factor, &sensitivity, &x);
-            let rows = beam.rows(&x);
-            let equations = NormalEquations::new(&at, &rows, None, &smoothness);
-            let step = equations.direction(&s, &anchor, 0.0, 1e-10).unwrap();
+            let step = beam.step(&space, &smoothness, &s, &x);
             let lower = (0..8).find_map(|k| {
                 let eta = 0.5_f64.powi(k);
                 let s: Vec<Sym3> = s.iter().zip(&step.ds).map(|(s, ds)| s + ds * eta).collect();

@@ -1,5 +1,6 @@
 //! What the data say about a shape: correspondences, weights, residual rows.
 
+use crate::fem::MaterialPoint;
 use crate::locate::SurfacePoint;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -107,8 +108,11 @@ impl Weights {
     ) -> Self {
         let distances = contact.distances();
         let c = belief.scale / scene.marker_sigma.powi(2);
-        let limit =
-            if belief.robust { OUTLIER * marker_noise(scene, &distances) } else { f64::INFINITY };
+        let limit = if belief.robust {
+            OUTLIER * noise(&distances, scene.marker_sigma)
+        } else {
+            f64::INFINITY
+        };
         let markers = scene
             .markers
             .iter()
@@ -132,9 +136,9 @@ impl Weights {
     }
 }
 
-/// The spread of the markers' distances, never below their tolerance.
-pub fn marker_noise(scene: &Scene, distances: &[f64]) -> f64 {
-    scene.marker_sigma.max(SIGMA_PER_MEDIAN * median(distances))
+/// The standard deviation of residuals, never below their tolerance.
+pub fn noise(residuals: &[f64], tolerance: f64) -> f64 {
+    tolerance.max(SIGMA_PER_MEDIAN * median(residuals))
 }
 
 /// Pairs that are taken at their word.
@@ -148,7 +152,7 @@ fn plain_weights(pairs: &[Pair], tolerance: f64) -> Vec<f64> {
 fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64) -> Vec<f64> {
     let residuals: Vec<f64> =
         pairs.iter().map(|p| (p.point.position(x) - p.target).norm()).collect();
-    let sigma = tolerance.max(SIGMA_PER_MEDIAN * median(&residuals));
+    let sigma = noise(&residuals, tolerance);
     pairs
         .iter()
         .zip(&residuals)
@@ -220,8 +224,8 @@ fn add_others(rows: &mut Rows, scene: &Scene, contact: &Contact, weights: &Weigh
     }
     for fold in scene.folds.iter().flat_map(|folds| folds.excesses(&contact.points)) {
         let gradient = fold.corners.iter().zip(&fold.gradient).flat_map(|(&corner, gradient)| {
-            let point = scene.surface_vertex(corner);
-            point.map(move |(v, w)| (v, gradient * w))
+            let MaterialPoint(entries) = scene.surface_vertex(corner);
+            entries.into_iter().map(move |(v, w)| (v, gradient * w))
         });
         rows.push(gradient, fold.residual, fold.weight);
     }

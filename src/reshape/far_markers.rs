@@ -4,7 +4,7 @@
 use crate::error::Result;
 
 use super::damping::Damping;
-use super::evidence::{Belief, Contact, marker_noise};
+use super::evidence::{Belief, Contact, noise};
 use super::solver::{Solver, State};
 use super::summary::Stop;
 
@@ -67,7 +67,7 @@ impl Solver<'_> {
 
     fn has_far_markers(&self, state: &State) -> bool {
         let distances = Contact::new(&self.scene, &state.x).distances();
-        let far = FAR * marker_noise(&self.scene, &distances);
+        let far = FAR * noise(&distances, self.scene.marker_sigma);
         distances.iter().any(|distance| *distance > far)
     }
 

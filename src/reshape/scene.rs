@@ -222,10 +222,9 @@ impl Scene {
         x.iter().map(|x| x * self.length + self.center).collect()
     }
 
-    /// The body's vertices that carry a surface vertex, with their weights.
-    pub fn surface_vertex(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
-        let v = vertex as usize;
-        self.embedding.vertices[v].into_iter().zip(self.embedding.weights[v])
+    /// The body's point that a surface vertex is.
+    pub fn surface_vertex(&self, vertex: u32) -> MaterialPoint {
+        embedded(&self.embedding, vertex as usize)
     }
 
     /// The body's point that a surface point is.
