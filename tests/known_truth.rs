@@ -9,7 +9,7 @@ use moulage::fem::{
     Body, EquilibriumOptions, MaterialPoint, Outcome, PlasticState, Spring, StrainSpace,
 };
 use moulage::locate::ClosestPoints;
-use moulage::material::StableNeoHookean;
+use moulage::material::{InversionBarrier, StableNeoHookean};
 use moulage::math::{Mat3, Sym3, Vec3};
 use moulage::mesh::{TetMesh, TriMesh};
 use moulage::reshape::{Landmark, Marker, Options, Problem, Reshaped, TemplatePoint, reshape};
@@ -69,10 +69,20 @@ fn filled(surface: TriMesh, tet_count: usize) -> Problem {
     Problem::new(surface, tets.mesh, tets.embedding, tets.inside_fraction)
 }
 
-/// Every n-th surface vertex's true place, without its correspondence.
-fn markers(problem: &Problem, every: usize, truth: impl Fn(&Vec3) -> Vec3) -> Vec<Marker> {
-    let vertices = problem.surface.points.iter().step_by(every);
-    vertices.map(|p| Marker { position: truth(p), weight: 1.0 }).collect()
+/// True places of `count` surface vertices, without their correspondence. Scattered, as clicks are: rows
+/// of a grid would leave edges unseen.
+fn markers(problem: &Problem, count: usize, truth: impl Fn(&Vec3) -> Vec3) -> Vec<Marker> {
+    // SplitMix64's mixing: neighbours get unrelated keys.
+    let key = |v: usize| {
+        let z = (v as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB)
+    };
+    let points = &problem.surface.points;
+    let mut vertices: Vec<usize> = (0..points.len()).collect();
+    vertices.sort_by_key(|&v| key(v));
+    let place = |&v: &usize| Marker { position: truth(&points[v]), weight: 1.0 };
+    vertices.iter().take(count).map(place).collect()
 }
 
 /// Surface vertices that `chosen` picks, with their true places.
@@ -137,19 +147,27 @@ fn bent(p: &Vec3, stretch: f64) -> Vec3 {
     Vec3::new(from_center * angle.sin(), wide * p.y, from_center * angle.cos() - radius)
 }
 
-/// [W] Figure 4: held at both ends, everything else from markers without correspondence.
+/// [W] Figure 4: held at both ends, everything else from markers without correspondence. Nothing in them
+/// tells where along the beam they belong; a stiffer field without screening slides least.
 #[test]
 fn a_beam_is_bent_and_widened_two_and_three_times() {
-    for (stretch, largest_mean) in [(2.0, 0.8), (3.0, 1.6)] {
+    let default = Options { tolerance: Some(0.02), ..Options::default() };
+    let stiff = Options { smoothness: 3.0, screening: Some(f64::INFINITY), ..default.clone() };
+    for (name, options, stretch, largest_mean) in [
+        ("defaults", &default, 2.0, 0.35),
+        ("defaults", &default, 3.0, 0.7),
+        ("smoothness 3, no screening", &stiff, 2.0, 0.25),
+        ("smoothness 3, no screening", &stiff, 3.0, 0.4),
+    ] {
         let mut problem = filled(cuboid(Vec3::new(40.0, 10.0, 10.0), 2.0), 2600);
         let truth = |p: &Vec3| bent(p, stretch);
-        problem.markers = markers(&problem, 4, truth);
+        problem.markers = markers(&problem, 100, truth);
         problem.attachments = pairs(&problem, |_, p| p.x.abs() > 19.9, |_, p| truth(p));
-        let result = run(&problem, 0.02);
+        let result = reshape(&problem, options, &Run::new()).unwrap();
         let (mean, max) = distances(&result.tet_points, problem.tets.points.iter().map(truth));
         let (marker_mean, marker_max) = marker_errors(&problem, &result);
         println!(
-            "beam {stretch}x, {} tets, {} markers: markers {marker_mean:.4}/{marker_max:.3}, \
+            "beam {stretch}x, {name}, {} tets, {} markers: markers {marker_mean:.4}/{marker_max:.3}, \
              all vertices {mean:.3}/{max:.2}, {}",
             problem.tets.tets.len(),
             problem.markers.len(),
@@ -229,21 +247,21 @@ fn pulled_statically(problem: &Problem, top: usize, target: &Vec3) -> Vec<Vec3> 
     problem.embedding.apply(&statics.x)
 }
 
-/// A smooth logarithmic strain whose stretches run from 0.5 to 1.7.
+/// A smooth logarithmic strain whose stretches run from 0.4 to 2.2.
 fn wild_strain(p: &Vec3) -> Sym3 {
     let wave = |k: f64, phase: f64| (0.03 * k * (p.x + 0.7 * p.y - 0.4 * p.z) + phase).sin();
     Sym3::new(
-        0.55 * wave(1.0, 0.3),
-        0.25 * wave(1.4, 1.1),
-        0.2 * wave(0.8, 2.0),
-        0.5 * wave(1.2, 2.9),
-        0.25 * wave(1.1, 4.0),
-        0.5 * wave(0.9, 5.1),
+        0.8 * wave(1.0, 0.3),
+        0.36 * wave(1.4, 1.1),
+        0.29 * wave(0.8, 2.0),
+        0.72 * wave(1.2, 2.9),
+        0.36 * wave(1.1, 4.0),
+        0.72 * wave(0.9, 5.1),
     )
 }
 
 /// [W] Figure 21: the truth is made by the model from a known plastic strain, stretches
-/// from 0.5 to 1.7; landmarks bring it back. (The inside of a thicker body cannot be seen from them.)
+/// from 0.4 to 2.2; exact landmarks bring it back.
 #[test]
 fn a_known_plastic_strain_is_found_again() {
     let mut problem = filled(ellipsoid(Vec3::new(50.0, 22.0, 12.0), 14.0), 5300);
@@ -259,8 +277,9 @@ fn a_known_plastic_strain_is_found_again() {
         let target = problem.surface.points[v as usize];
         Spring { point: MaterialPoint(entries), target, stiffness: 3800.0 }
     });
-    let body = Body::new(problem.tets.clone(), StableNeoHookean::new(1.0, 0.3), springs.collect())
-        .unwrap();
+    // Without the barrier a tet of the truth inverts; no run may find that again.
+    let material = InversionBarrier::new(StableNeoHookean::new(1.0, 0.3), 0.3, 1.0);
+    let body = Body::new(problem.tets.clone(), material, springs.collect()).unwrap();
     let space = StrainSpace::NODAL_LOGARITHM;
     let mut x = rest.clone();
     for share in 1..=10 {
@@ -275,7 +294,7 @@ fn a_known_plastic_strain_is_found_again() {
     let step = truth.len() / 200;
     problem.landmarks = pairs(&problem, |i, _| i % step == 0, |i, _| truth[i]);
     let options =
-        Options { tolerance: Some(0.03), landmark_tolerance: Some(0.03), ..Options::default() };
+        Options { tolerance: Some(0.001), landmark_tolerance: Some(0.001), ..Options::default() };
     let result = reshape(&problem, &options, &Run::new()).unwrap();
     let (mean, max) = distances(&result.tet_points, x.iter().copied());
     let (surface_mean, surface_max) = distances(&result.surface_points, truth.iter().copied());
@@ -290,8 +309,7 @@ fn a_known_plastic_strain_is_found_again() {
         effort(&result)
     );
     assert_eq!(inverted(&problem, &result), 0);
-    assert!(surface_mean < 0.045 && surface_max < 0.39, "{surface_mean} {surface_max}");
-    assert!(mean < 0.2, "{mean}");
+    assert!(mean < 0.05 && max < 0.39, "{mean} {max}");
 }
 
 /// Size of the error of Fp - 1, and of Fp - 1, over the body.

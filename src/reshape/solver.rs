@@ -20,8 +20,9 @@ use super::summary::{IterationRecord, Stop, Summary};
 const FIRST_DATA_SCALE: f64 = 1e-4;
 const DATA_SCALE_GROWTH: f64 = 8.0;
 
-/// The markers' weight grows when the last step lowered the objective by less than this share.
-/// Raising it sooner leaves markers caught in wrong matches.
+/// A free body's markers gain weight when the last step lowered the objective by less than this share.
+/// Raising it sooner leaves them caught in wrong matches. A held body starts near and slides along
+/// itself for as long as the markers are weak: there they gain weight with every step.
 const LEVEL_DECREASE: f64 = 0.2;
 
 /// After a smaller relative decrease at the full weight, no better step is a good end.
@@ -175,9 +176,17 @@ impl<'a> Solver<'a> {
                 self.summary.stop = self.verdict(settling);
                 return Ok(state);
             }
-            if decrease.unwrap_or(0.0) < LEVEL_DECREASE {
-                scale = (scale * DATA_SCALE_GROWTH).min(1.0);
-            }
+            scale = self.next_data_scale(scale, decrease.unwrap_or(0.0));
+        }
+    }
+
+    fn next_data_scale(&self, scale: f64, decrease: f64) -> f64 {
+        if self.scene.markers.is_empty() {
+            1.0
+        } else if self.scene.body.is_free() && decrease >= LEVEL_DECREASE {
+            scale
+        } else {
+            (scale * DATA_SCALE_GROWTH).min(1.0)
         }
     }
 
