@@ -36,10 +36,13 @@ const GAP: f64 = 1.0 / 2000.0;
 const OPENING: f64 = 0.35;
 
 /// Stiffness of a contact in units of Young's modulus times the mean edge: at first, its growth after
-/// a round that helped little, at most. Stiffer than needed, and bodies slip out sideways like soap.
+/// a round that helped little, at most. Stiffer than needed, and bodies slip out sideways like soap:
+/// the overlap grows, and then more stiffness only makes them slip more.
 const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 2e4];
-/// A round helped little if it leaves more than this share of the overlap.
+/// A round helped little if it leaves at least this share of the overlap, but not more than all of it.
 const LITTLE_HELP: f64 = 0.8;
+/// Contacts also get stiffer after every so many rounds without progress, which ends a to and fro.
+const RESTLESS: usize = 4;
 
 /// Newton steps per round.
 const NEWTON_STEPS: usize = 12;
@@ -205,7 +208,8 @@ impl<'a> Solver<'a> {
             if overlap < best.0 {
                 best = (overlap, self.x.clone());
             }
-            if overlap > LITTLE_HELP * overlap_before {
+            let helped_little = (LITTLE_HELP * overlap_before..=overlap_before).contains(&overlap);
+            if helped_little || (idle > 0 && idle % RESTLESS == 0) {
                 stiffness = most.min(stiffness * growth);
             }
             overlap_before = overlap;
