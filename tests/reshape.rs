@@ -253,3 +253,48 @@ fn the_published_formulation_runs_on_a_held_body() {
     assert_eq!(result.plastic_strain.len(), problem.tets.tets.len());
     assert_eq!(inverted(&problem, &result), 0);
 }
+
+const ATTACHMENT_TOLERANCE: f64 = 0.02;
+
+/// The ball attached along its lower third to places that are `off(k)` from the truth, and its shape
+/// with the distances of the attachments.
+fn attached(off: impl Fn(usize) -> Vec3) -> (Problem, Reshaped, Vec<f64>) {
+    let mut problem = problem(1.0, |p| *p);
+    let points = &problem.surface.points;
+    let low: Vec<usize> = (0..points.len()).filter(|&v| points[v].z < -0.5).collect();
+    let attachment = |(k, &v): (usize, &usize)| Landmark {
+        label: v.to_string(),
+        template: TemplatePoint::Vertex(v as u32),
+        target: truth(&points[v]) + off(k),
+        weight: 1.0,
+    };
+    problem.attachments = low.iter().enumerate().map(attachment).collect();
+    let options =
+        Options { attachment_tolerance: Some(ATTACHMENT_TOLERANCE), ..Options::default() };
+    let result = reshape(&problem, &options, &Run::new()).unwrap();
+    let distances = low.iter().zip(&problem.attachments);
+    let distances = distances.map(|(&v, a)| (result.surface_points[v] - a.target).norm()).collect();
+    (problem, result, distances)
+}
+
+#[test]
+fn single_attachments_that_lag_are_brought_within_their_tolerance() {
+    let (problem, result, distances) =
+        attached(
+            |k| {
+                if k % 10 == 0 { Vec3::z() * 2.0 * ATTACHMENT_TOLERANCE } else { Vec3::zeros() }
+            },
+        );
+    let farthest = distances.iter().copied().fold(0.0, f64::max);
+    assert!(farthest <= ATTACHMENT_TOLERANCE, "{distances:?}");
+    assert_eq!(inverted(&problem, &result), 0);
+}
+
+#[test]
+fn where_most_attachments_contradict_the_markers_these_are_followed() {
+    let (_, result, distances) = attached(|_| Vec3::z() * 10.0 * ATTACHMENT_TOLERANCE);
+    let mean = result.summary.iterations.last().unwrap().mean_marker_distance;
+    assert!(mean < 0.5 * ATTACHMENT_TOLERANCE, "{mean}");
+    let farther = distances.iter().filter(|d| **d > ATTACHMENT_TOLERANCE).count();
+    assert!(2 * farther > distances.len(), "{distances:?}");
+}

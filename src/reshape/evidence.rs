@@ -17,7 +17,7 @@ const TANGENTIAL: f64 = 0.02;
 const HOLDING: usize = 2;
 
 /// Residuals beyond this many sigmas are taken for outliers.
-const OUTLIER: f64 = 3.0;
+pub const OUTLIER: f64 = 3.0;
 
 /// Normal-distributed residuals have this ratio of standard deviation to median size.
 const SIGMA_PER_MEDIAN: f64 = 1.4826;

@@ -8,6 +8,7 @@ mod evidence;
 mod far_markers;
 mod folds;
 mod gauss_newton;
+mod lagging_attachments;
 mod linearization;
 mod marker_groups;
 mod numbering;

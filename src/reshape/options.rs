@@ -11,7 +11,7 @@ pub struct Options {
     pub tolerance: Option<f64>,
     /// How far a landmark may be off when it can be trusted. Default: 5 times `tolerance`.
     pub landmark_tolerance: Option<f64>,
-    /// How far an attachment may be off when it can be trusted. Default: `tolerance`.
+    /// How far an attachment may be off where most attachments agree with the markers. Default: `tolerance`.
     pub attachment_tolerance: Option<f64>,
     /// Attachments are met whatever the markers say, instead of being weighed against them.
     pub hard_attachments: bool,

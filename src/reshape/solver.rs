@@ -76,6 +76,7 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     let (mut solver, state) = Solver::start(problem, options, run)?;
     let state = solver.minimize(state, FIRST_DATA_SCALE)?;
     let state = solver.reconsider_far_markers(state)?;
+    let state = solver.pull_lagging_attachments(state)?;
     Ok(solver.finish(state, problem))
 }
 

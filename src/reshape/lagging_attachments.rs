@@ -1,0 +1,56 @@
+//! Attachments that are still farther off than allowed when the run has settled.
+
+use crate::error::Result;
+use crate::math::Vec3;
+
+use super::evidence::{OUTLIER, noise};
+use super::solver::{Solver, State};
+use super::summary::Stop;
+
+/// An attachment that lags gains this factor in weight, so often at most.
+const GAIN: f64 = 2.0;
+const ROUNDS: usize = 8;
+
+/// After a smaller relative decrease the shape has followed the new weights.
+const FOLLOWED: f64 = 0.01;
+
+impl Solver<'_> {
+    /// Gives weight to the attachments beyond the tolerance, until all but outliers are within it.
+    /// Where most are beyond it, they and the markers contradict each other, and the markers are
+    /// followed. The published formulation does without.
+    pub(super) fn pull_lagging_attachments(&mut self, mut state: State) -> Result<State> {
+        if self.options.paper || self.options.hard_attachments {
+            return Ok(state);
+        }
+        for _ in 0..ROUNDS {
+            if self.interruption().is_some() || !self.strengthen_lagging_attachments(&state.x) {
+                break;
+            }
+            state = self.settle(state, FOLLOWED)?;
+            if self.summary.stop == Stop::IterationLimit {
+                // The shape before had settled: a limit reached meanwhile is no failure.
+                self.summary.stop = Stop::Settled;
+            }
+        }
+        Ok(state)
+    }
+
+    /// Whether any attachment lags.
+    fn strengthen_lagging_attachments(&mut self, x: &[Vec3]) -> bool {
+        let tolerance = self.scene.attachment_sigma;
+        let attachments = &mut self.scene.attachments;
+        let distances: Vec<f64> =
+            attachments.iter().map(|a| (a.point.position(x) - a.target).norm()).collect();
+        if noise(&distances, tolerance) > tolerance {
+            return false;
+        }
+        let mut any = false;
+        for (attachment, distance) in attachments.iter_mut().zip(distances) {
+            if distance > tolerance && distance <= OUTLIER * tolerance {
+                attachment.weight *= GAIN;
+                any = true;
+            }
+        }
+        any
+    }
+}
