@@ -30,6 +30,7 @@ pub struct Earlier {
     pub(super) smoothness: Arc<StrainSmoothness>,
     pub(super) anchor: Arc<Vec<Sym3>>,
     pub(super) state: State,
+    pub(super) attachment_gains: Vec<f64>,
 }
 
 impl fmt::Debug for Earlier {

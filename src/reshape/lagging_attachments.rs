@@ -38,19 +38,33 @@ impl Solver<'_> {
     /// Whether any attachment lags.
     fn strengthen_lagging_attachments(&mut self, x: &[Vec3]) -> bool {
         let tolerance = self.scene.attachment_sigma;
-        let attachments = &mut self.scene.attachments;
+        let attachments = &self.scene.attachments;
         let distances: Vec<f64> =
             attachments.iter().map(|a| (a.point.position(x) - a.target).norm()).collect();
         if noise(&distances, tolerance) > tolerance {
             return false;
         }
-        let mut any = false;
-        for (attachment, distance) in attachments.iter_mut().zip(distances) {
-            if distance > tolerance && distance <= OUTLIER * tolerance {
-                attachment.weight *= GAIN;
-                any = true;
+        let lags = |distance: f64| distance > tolerance && distance <= OUTLIER * tolerance;
+        let lagging: Vec<usize> = (0..distances.len())
+            .filter(|&i| lags(distances[i]) && attachments[i].weight > 0.0)
+            .collect();
+        for &i in &lagging {
+            self.strengthen_attachment(i, GAIN);
+        }
+        !lagging.is_empty()
+    }
+
+    /// What an earlier run's attachments gained, if they are as many.
+    pub(super) fn keep_attachment_gains(&mut self, gains: &[f64]) {
+        if gains.len() == self.attachment_gains.len() {
+            for (i, &gain) in gains.iter().enumerate() {
+                self.strengthen_attachment(i, gain);
             }
         }
-        any
+    }
+
+    fn strengthen_attachment(&mut self, i: usize, gain: f64) {
+        self.scene.attachments[i].weight *= gain;
+        self.attachment_gains[i] *= gain;
     }
 }

@@ -66,6 +66,8 @@ pub struct Solver<'a> {
     pub anchor: Arc<Vec<Sym3>>,
     pub damping: Damping,
     pub summary: Summary,
+    /// What each attachment's weight was multiplied by.
+    pub attachment_gains: Vec<f64>,
 }
 
 /// Reshapes the template. A cancelled run returns its best shape so far.
@@ -105,6 +107,7 @@ impl<'a> Solver<'a> {
             &tet_weight,
         )?;
         let mut solver = Self {
+            attachment_gains: vec![1.0; scene.attachments.len()],
             scene,
             space,
             options,
@@ -127,6 +130,7 @@ impl<'a> Solver<'a> {
     ) -> Result<(Self, State)> {
         let options = &earlier.options;
         let mut solver = Self {
+            attachment_gains: vec![1.0; problem.attachments.len()],
             scene: Scene::new(problem, options, Some(earlier))?,
             space: strain_space(options),
             options,
@@ -136,6 +140,7 @@ impl<'a> Solver<'a> {
             damping: Damping::default(),
             summary: Summary::default(),
         };
+        solver.keep_attachment_gains(&earlier.attachment_gains);
         let State { s, x } = earlier.state.clone();
         let state = solver.equilibrium(s, x)?;
         Ok((solver, state))
@@ -301,6 +306,7 @@ impl<'a> Solver<'a> {
                 smoothness: self.smoothness,
                 anchor: self.anchor,
                 state,
+                attachment_gains: self.attachment_gains,
             }),
         }
     }

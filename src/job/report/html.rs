@@ -47,10 +47,14 @@ pub fn page(report: &Report, shapes: &Shapes) -> String {
     add(&pictures(report, shapes));
     add(&slices(report));
     add("<h2>Course</h2>\n<div class=\"row\">");
-    add(&figure(&plots::convergence(report), "Distance of the markers over the iterations"));
+    add(&figure(
+        &plots::convergence(report),
+        "Distance of the markers over the iterations; where it rises, markers that were far off are \
+         tried again, or attachments are pulled closer",
+    ));
     add(&figure(
         &plots::objective(report),
-        "The objective; it grows with the weight of the markers",
+        "The objective; it grows with the weight of markers and attachments",
     ));
     add(&figure(
         &plots::marker_histogram(report),

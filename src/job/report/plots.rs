@@ -65,10 +65,10 @@ fn curves(lines: &[(&'static str, RGBColor, Vec<f64>)], y: &str) -> String {
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour));
         }
         if lines.len() > 1 {
-            // The mean falls from the upper left, the largest stays above: this corner is free.
+            // Distances fall from the upper left: this corner is free.
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::LowerLeft)
+                .position(SeriesLabelPosition::UpperRight)
                 .background_style(WHITE.mix(0.8))
                 .draw()?;
         }
