@@ -36,13 +36,14 @@ const GAP: f64 = 1.0 / 2000.0;
 const OPENING: f64 = 0.35;
 
 /// Stiffness of a contact in units of Young's modulus times the mean edge: at first, its growth after
-/// a round that helped little, at most. Stiffer than needed, and bodies slip out sideways like soap:
-/// the overlap grows, and then more stiffness only makes them slip more.
+/// a round that helped little, at most. Stiffer than needed, and bodies slip out sideways like soap.
 const CONTACT_STIFFNESS: [f64; 3] = [20.0, 1.5, 2e4];
-/// A round helped little if it leaves at least this share of the overlap, but not more than all of it.
+/// Contacts yield by force over stiffness, often by more than the gap: after a round that helped
+/// little they aim farther apart by this factor, up to this share of the mean edge.
+const REACH_GROWTH: f64 = 1.5;
+const LARGEST_REACH: f64 = 0.1;
+/// A round helped little if it leaves more than this share of the overlap.
 const LITTLE_HELP: f64 = 0.8;
-/// Contacts also get stiffer after every so many rounds without progress, which ends a to and fro.
-const RESTLESS: usize = 4;
 
 /// Newton steps per round.
 const NEWTON_STEPS: usize = 12;
@@ -57,6 +58,15 @@ const SMALL_STEP: f64 = 0.02;
 const PATIENCE: usize = 20;
 /// A round counts as progress if it leaves at most this share of the smallest overlap so far.
 const PROGRESS: f64 = 0.98;
+
+/// How contacts push.
+#[derive(Clone, Copy)]
+struct Push {
+    /// In units of Young's modulus times the mean edge.
+    stiffness: f64,
+    /// The distance they aim at.
+    reach: f64,
+}
 
 /// Why a separation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -190,7 +200,9 @@ impl<'a> Solver<'a> {
         let mut patch = Patch::new(self.bodies, self.options.rings);
         let mut memory = Memory::default();
         let graphs = self.graphs();
-        let [mut stiffness, growth, most] = CONTACT_STIFFNESS;
+        let [stiffness, growth, most] = CONTACT_STIFFNESS;
+        let mut push = Push { stiffness, reach: self.gap };
+        let farthest = self.gap.max(LARGEST_REACH * self.mean_edge);
         let mut best = (f64::INFINITY, self.x.clone());
         let mut overlap_before = f64::INFINITY;
         let mut idle = 0;
@@ -208,9 +220,9 @@ impl<'a> Solver<'a> {
             if overlap < best.0 {
                 best = (overlap, self.x.clone());
             }
-            let helped_little = (LITTLE_HELP * overlap_before..=overlap_before).contains(&overlap);
-            if helped_little || (idle > 0 && idle % RESTLESS == 0) {
-                stiffness = most.min(stiffness * growth);
+            if overlap > LITTLE_HELP * overlap_before {
+                push.stiffness = most.min(push.stiffness * growth);
+                push.reach = farthest.min(push.reach * REACH_GROWTH);
             }
             overlap_before = overlap;
             for (b, seeds) in found.seeds.iter().enumerate() {
@@ -218,7 +230,7 @@ impl<'a> Solver<'a> {
             }
             let stuck = idle >= PATIENCE || round == self.options.max_rounds;
             let cancelled = self.run.is_cancelled();
-            if stuck || cancelled || !self.relax_all(&patch, &found, stiffness * self.mean_edge) {
+            if stuck || cancelled || !self.relax_all(&patch, &found, push) {
                 self.x = best.1;
                 return Ok((round, if cancelled { Ending::Cancelled } else { Ending::Stalled }));
             }
@@ -251,11 +263,11 @@ impl<'a> Solver<'a> {
     }
 
     /// One round for everything that overlaps; whether anything could be solved for.
-    fn relax_all(&mut self, patch: &Patch, found: &Found, stiffness: f64) -> bool {
+    fn relax_all(&mut self, patch: &Patch, found: &Found, push: Push) -> bool {
         let islands = overlapping_islands(found, &self.first_vertex);
         let solved: Vec<_> = islands
             .par_iter()
-            .map(|island| self.relax(patch, island, stiffness).map(|x| (island, x)))
+            .map(|island| self.relax(patch, island, push).map(|x| (island, x)))
             .collect();
         let any = solved.iter().any(Result::is_ok);
         // Where shapes contradict each other tets are squeezed until a solution has no digits: these
@@ -271,10 +283,11 @@ impl<'a> Solver<'a> {
     }
 
     /// Newton's method for the contacts of one island in one round.
-    fn relax(&self, patch: &Patch, island: &Island, stiffness: f64) -> Result<Vec<Vec3>> {
+    fn relax(&self, patch: &Patch, island: &Island, push: Push) -> Result<Vec<Vec3>> {
+        let stiffness = push.stiffness * self.mean_edge;
         let elasticity = self.elasticity(patch, &island.bodies, stiffness);
         let opening = OPENING * self.mean_edge;
-        let target = |c: &&Contact| self.gap.min(c.distance + opening);
+        let target = |c: &&Contact| push.reach.min(c.distance + opening);
         let energy = Energy {
             elasticity: &elasticity,
             contacts: &island.contacts,
