@@ -19,7 +19,8 @@ impl Solver<'_> {
     /// Where most are beyond it, they and the markers contradict each other, and the markers are
     /// followed. The published formulation does without.
     pub(super) fn pull_lagging_attachments(&mut self, mut state: State) -> Result<State> {
-        if self.options.paper || self.options.hard_attachments {
+        let settled = matches!(self.summary.stop, Stop::Settled | Stop::ToleranceMet);
+        if !settled || self.options.paper || self.options.hard_attachments {
             return Ok(state);
         }
         for _ in 0..ROUNDS {
