@@ -1,8 +1,9 @@
 //! The command line that others script against: names, exit codes, what goes to which stream.
 #![allow(clippy::unwrap_used)]
 
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn moulage(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_moulage")).args(arguments).output().unwrap()
@@ -97,30 +98,51 @@ fn tetrahedralize_writes_tets_and_prints_their_quality() {
     assert!((2000..4500).contains(&tets), "{tets}");
 }
 
-/// An interrupt from the keyboard, as a shell sends it.
-#[cfg(unix)]
+/// Ctrl-C on a terminal, once the progress bar tells of an iteration.
+#[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_writes_the_best_shape_and_is_exit_code_130() {
     let path = scratch("interrupted.obj");
     let report = scratch("report");
-    let child = Command::new(env!("CARGO_BIN_EXE_moulage"))
-        .args(["reshape", &example("job.toml"), "--tets", "lattice", "--tet-count", "6000"])
-        .args(["-o", path.to_str().unwrap(), "--report", report.to_str().unwrap()])
-        .args(["--tets-out", scratch("interrupted.vtu").to_str().unwrap()])
-        .stderr(std::process::Stdio::piped())
-        .stdout(std::process::Stdio::piped())
+    let tets = scratch("interrupted.vtu");
+    let command = format!(
+        "stty cols 200; exec '{}' reshape '{}' --tets lattice --tet-count 6000 --tolerance 0.001 -o '{}' --report '{}' --tets-out '{}'",
+        env!("CARGO_BIN_EXE_moulage"),
+        example("job.toml"),
+        path.display(),
+        report.display(),
+        tets.display()
+    );
+    // `script` gives the program a terminal.
+    let mut child = Command::new("script")
+        .args(["-qefc", &command, "/dev/null"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(2500));
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("interrupted: what is written is the best shape so far"));
+    let mut keyboard = child.stdin.take().unwrap();
+    let mut screen = child.stdout.take().unwrap();
+    let mut seen = Vec::new();
+    let mut buffer = [0; 4096];
+    let mut is_pressed = false;
+    loop {
+        let count = screen.read(&mut buffer).unwrap();
+        if count == 0 {
+            break;
+        }
+        seen.extend(&buffer[..count]);
+        if !is_pressed && text(&seen).contains(", iteration 1") {
+            keyboard.write_all(b"\x03").unwrap();
+            is_pressed = true;
+        }
+    }
+    let seen = text(&seen);
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{seen}");
+    assert!(seen.contains("interrupted: what is written is the best shape so far"), "{seen}");
     let json = std::fs::read_to_string(report.join("report.json")).unwrap();
     assert!(json.contains("\"ending\": \"interrupted\""));
     assert!(path.is_file());
     let _ = std::fs::remove_file(&path);
-    let _ = std::fs::remove_file(scratch("interrupted.vtu"));
+    let _ = std::fs::remove_file(&tets);
     let _ = std::fs::remove_dir_all(&report);
 }

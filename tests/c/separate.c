@@ -332,7 +332,7 @@ int main(int argc, char **argv) {
         mistakes();
         balls_part(tet_count);
         a_result_leaves_a_bone(tet_count);
-        runs(quick ? 2 : 8, tet_count);
+        runs(quick ? 4 : 8, tet_count);
     }
     puts("separate: good");
     return 0;

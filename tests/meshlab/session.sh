@@ -10,9 +10,9 @@ shot() {
     import -window root png:- |
         convert - -crop "1280x${2:-800}+0+0" +repage -resize 1024x -colors 128 "png8:meshlab-$1.png"
 }
-# Waits for a line of the log.
+# Waits for a line of the log, while MeshLab lives.
 wait_for() {
-    for _ in $(seq 1200); do
+    while kill -0 "$meshlab"; do
         grep -q "$1" log && return
         sleep 1
     done

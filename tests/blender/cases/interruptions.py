@@ -12,13 +12,10 @@ import scenes
 from scenes import part, shape_of
 
 
-def run_to_end(solve, limit=300):
-    end = time.monotonic() + limit
+def run_to_end(solve):
     while solve.tick():
         solve.show()
         time.sleep(0.01)
-        if time.monotonic() > end:
-            raise TimeoutError("the run does not end")
 
 
 class Interruptions(unittest.TestCase):
@@ -30,12 +27,10 @@ class Interruptions(unittest.TestCase):
         return template, part("solve").Solve(bpy.context, template)
 
     def until_preview(self, solve):
-        end = time.monotonic() + 120
         while solve.progress is None or solve.progress.iteration < 1:
             self.assertTrue(solve.tick(), "the run ended early")
             solve.show()
             time.sleep(0.01)
-            self.assertLess(time.monotonic(), end)
 
     def test_live_view_and_stop_keep_the_best(self):
         template, solve = self.started()

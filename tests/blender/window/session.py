@@ -29,6 +29,8 @@ def steps(names):
     import events
 
     bpy.context.preferences.view.show_splash = False
+    # Drawn by software: quickly.
+    bpy.context.preferences.system.viewport_aa = "OFF"
     # The file browser is to be in this window.
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     yield from events.pause(1)

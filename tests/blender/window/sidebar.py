@@ -13,8 +13,9 @@ _HEADER, _FIRST, _ROW = 28, 15, 16
 _ACROSS, LEFT, ICON = (0.7,), (0.25,), (0.86,)
 _TABS = 20
 
-# Where each button was seen last.
+# Where each button was seen last, and all places that were looked at.
 _seen = {}
+_looked_at = set()
 
 
 def open_tab():
@@ -47,7 +48,12 @@ def show_panels(*names):
     for number in sorted((there.index(name) for name in names), reverse=True):
         yield from click(x, top - _HEADER * number)
         yield from pause(0.3)
+    _forget()
+
+
+def _forget():
     _seen.clear()
+    _looked_at.clear()
 
 
 def _scroll(wheel, count):
@@ -84,10 +90,11 @@ def find(wanted, across=_ACROSS):
     for scroll in (None, "WHEELUPMOUSE", *["WHEELDOWNMOUSE"] * 4):
         if scroll is not None:
             yield from _scroll(scroll, 60 if scroll == "WHEELUPMOUSE" else 12)
-            _seen.clear()
+            _forget()
         for x, y in _places(wanted, across):
             text = yield from _text_at(x, y)
             _seen[text] = x, y
+            _looked_at.add((x, y))
             if _is(wanted, text):
                 return x, y
     raise AssertionError(f"no button or field {wanted} in the side bar")
@@ -106,6 +113,9 @@ def _places(wanted, across):
     if before is not None:
         places.sort(key=lambda p: abs(p[1] - before[1]) + (p[0] != before[0]))
         places.insert(0, before)
+    else:
+        # Another button was there a moment ago.
+        places.sort(key=lambda p: p in _looked_at)
     return places
 
 

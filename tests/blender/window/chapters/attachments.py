@@ -3,7 +3,7 @@
 import bpy
 import numpy
 from events import (
-    RUN_LIMIT, click, has_result, keys, look_at, part, pause, picture, press, redo, region, running, select, template,
+    click, has_result, keys, look_at, part, pause, picture, press, redo, region, running, select, template,
     undo, until,
 )
 from setting import with_markers
@@ -97,7 +97,7 @@ def grown_on():
     wanted = pairs()[1][-1] - pairs()[0][-1]
     bpy.ops.ed.undo_push(message="ready")
     yield from click_button("moulage.reshape")
-    yield from until(lambda: template().moulage.result.key != "" and not running(), "the end of the run", RUN_LIMIT)
+    yield from until(lambda: template().moulage.result.key != "" and not running(), "the end of the run")
     mesh_data, ob = part("mesh_data"), template()
     moved = mesh_data.key_points(ob.data.shape_keys.key_blocks["Reshaped"]) - mesh_data.rest_points(ob.data)
     off = numpy.linalg.norm(moved[group_of(ob)] - wanted, axis=1)

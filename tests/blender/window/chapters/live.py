@@ -2,7 +2,7 @@
 
 import bpy
 import scenes
-from events import RUN_LIMIT, has_result, keys, press, running, select, template, undo, until
+from events import has_result, keys, press, running, select, template, undo, until
 from sidebar import click_button, open_tab, show_panels
 
 
@@ -15,16 +15,16 @@ def session():
     yield from open_tab()
     yield from show_panels("Reshape", "Result")
     yield from click_button("moulage.reshape")
-    yield from until(lambda: has_result() and ball.moulage.result.key != "" and not running(), "the result", RUN_LIMIT)
+    yield from until(lambda: has_result() and ball.moulage.result.key != "" and not running(), "the result")
     before = length()
     yield from click_button(".live_edit")
     yield from until(live, "live editing")
     select(template().moulage.landmarks[0].target)
     press("G")
     yield from keys("X", "1", "RET")
-    yield from until(lambda: length() > before + 0.5, "the shape that follows the landmark", RUN_LIMIT)
+    yield from until(lambda: length() > before + 0.5, "the shape that follows the landmark")
     yield from undo()
-    yield from until(lambda: abs(length() - before) < 0.2, "the shape after undo", RUN_LIMIT)
+    yield from until(lambda: abs(length() - before) < 0.2, "the shape after undo")
     yield from click_button(".live_edit")
     yield from until(lambda: not live() and not running(), "the end of live editing")
 

@@ -2,7 +2,7 @@
 
 import bpy
 import numpy
-from events import RUN_LIMIT, has_result, look_at, part, picture, press, running, template, undo, until
+from events import has_result, look_at, part, picture, press, running, template, undo, until
 from setting import with_landmarks
 from sidebar import click_button, open_tab, show_panels, type_into
 
@@ -53,7 +53,7 @@ def whole_run():
     bpy.ops.ed.undo_push(message="a short run")
     yield from click_button("moulage.reshape")
     # It may be over before anyone looks.
-    yield from until(lambda: template().moulage.result.key != "" and not running(), "the end of the second run", RUN_LIMIT)
+    yield from until(lambda: template().moulage.result.key != "" and not running(), "the end of the second run")
     result = template().moulage.result
     assert result.mean_distance < 1.0, result.mean_distance
     for item in template().moulage.carried:

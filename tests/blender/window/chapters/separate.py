@@ -1,7 +1,7 @@
 """Two balls that overlap: live view, Esc, undo, the whole separation, the slider."""
 
 import bpy
-from events import RUN_LIMIT, look_at, picture, press, running, select, undo, until
+from events import look_at, picture, press, running, select, undo, until
 from scenes import ball
 from setting import clear
 from sidebar import click_button, open_tab, show_panels
@@ -46,8 +46,8 @@ def whole_separation():
     # What was said of the run that Esc ended stands until the next one ends.
     said_before = settings().report
     yield from click_button("moulage.separate")
-    yield from until(lambda: keys("left") is not None, "the live view", RUN_LIMIT)
-    yield from until(lambda: not running(), "the end of the separation", RUN_LIMIT)
+    yield from until(lambda: keys("left") is not None, "the live view")
+    yield from until(lambda: not running(), "the end of the separation")
     assert settings().clear, settings().report
     yield from picture("separate")
     yield from undo()

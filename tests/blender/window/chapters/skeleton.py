@@ -2,7 +2,7 @@
 
 import bpy
 from events import (
-    RUN_LIMIT, choose_file, in_view, look_at, picture, press, running, scene, search, undo, until,
+    choose_file, in_view, look_at, picture, press, running, scene, search, undo, until,
 )
 from setting import HAND, clear
 from sidebar import LEFT, click_button, open_tab, pick, show_panels
@@ -60,7 +60,7 @@ def whole_registration():
     yield from until(lambda: is_shown() or person() is not None, "the live view of the whole registration")
     skeleton().moulage_skeleton.target.hide_set(True)
     yield from picture("skeleton_running")
-    yield from until(lambda: person() is not None and not running(), "the end of the registration", RUN_LIMIT)
+    yield from until(lambda: person() is not None and not running(), "the end of the registration")
     own = person()
     assert own.moulage_skeleton.result.mean_residual < 0.05
     bpy.context.view_layer.update()
