@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # Builds the library and installs it for C and C++ on Linux: headers, shared and static library,
 # pkg-config file, CMake package.
-#   include/install.sh PREFIX
+#   include/install.sh PREFIX [LIBRARIES]    the libraries in the folder LIBRARIES (default: built now)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 prefix=$(realpath -m "${1:?where to install, such as /usr/local}")
-cargo build --release
-built=${CARGO_TARGET_DIR:-target}/release
+built=${2:-}
+if [ -z "$built" ]; then
+    cargo build --release
+    built=${CARGO_TARGET_DIR:-target}/release
+fi
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 soname=libmoulage.so.${version%.*}
 

@@ -1,8 +1,9 @@
 """Makes the wheel of the package `moulage` with the native library that cargo built.
 
-    python3 python/build_wheel.py OUT_FOLDER
+    python3 python/build_wheel.py OUT_FOLDER [FOLDER_OF_THE_LIBRARY]
 
-The library is called through ctypes, so one wheel serves every Python 3.
+The library is that of `cargo build --release` if no folder is given. It is called through ctypes, so one wheel serves
+every Python 3.
 """
 
 import base64
@@ -33,9 +34,9 @@ def wheel_name():
     return f"moulage-{version()}-py3-none-{platform_tag()}.whl"
 
 
-def native_library():
+def native_library(folder):
     names = {"win32": "moulage.dll", "darwin": "libmoulage.dylib"}
-    path = ROOT / "target" / "release" / names.get(sys.platform, "libmoulage.so")
+    path = folder / names.get(sys.platform, "libmoulage.so")
     if not path.is_file():
         sys.exit(f"{path} is not there; run cargo build --release --lib first")
     return path
@@ -65,10 +66,9 @@ Requires-Dist: numpy
 """
 
 
-def contents():
+def contents(library):
     """All files of the wheel: name and bytes."""
     info = f"moulage-{version()}.dist-info"
-    library = native_library()
     yield f"moulage/{library.name}", stripped(library)
     for file in sorted((ROOT / "python" / "moulage").glob("*.py")):
         yield f"moulage/{file.name}", file.read_bytes()
@@ -79,12 +79,13 @@ def contents():
     yield f"{info}/WHEEL", f"Wheel-Version: 1.0\nGenerator: moulage\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
 
 
-def build(folder):
+def build(folder, libraries):
+    library = native_library(libraries)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / wheel_name()
     record = []
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as wheel:
-        for name, data in contents():
+        for name, data in contents(library):
             digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
             record.append(f"{name},sha256={digest},{len(data)}\n")
             add(wheel, name, data)
@@ -101,6 +102,6 @@ def add(archive, name, data):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
-    print(build(Path(sys.argv[1])))
+    print(build(Path(sys.argv[1]), Path(sys.argv[2]) if len(sys.argv) == 3 else ROOT / "target" / "release"))

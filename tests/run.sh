@@ -1,107 +1,65 @@
 #!/usr/bin/env bash
-# The one test command: installs what the tests need and runs them.
-#   tests/run.sh          all parts
-#   tests/run.sh core     one part
-set -euo pipefail
+# The one test command: installs what the tests need, builds once, runs every part, closes with a table.
+#   tests/run.sh            everything
+#   tests/run.sh quick      before each commit
+#   tests/run.sh core c     some parts
+# A part is tests/PART/run.sh; what it prints is in target/tests/PART.log, too.
+set -uo pipefail
 cd "$(dirname "$0")/.."
-# Everything is built once: what a second build would save is not worth its gigabytes.
-export CARGO_INCREMENTAL=0
 
-parts=(core c images workflow python blender meshlab)
+all=(core c images workflow python blender meshlab)
+# Debian's packages for each part; those for everybody come first.
+declare -A packages=(
+    [build]="gcc python3"
+    [core]="tetgen"
+    [c]="g++ cmake pkg-config valgrind binutils tetgen"
+    [images]="python3-venv"
+    [workflow]="python3-venv"
+    [python]="python3-venv binutils"
+    [blender]="python3-venv binutils tetgen blender python3-numpy xvfb xauth imagemagick
+        libgl1-mesa-dri libegl1 libgl1 libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6"
+    [meshlab]="python3-venv g++ make cmake binutils xz-utils ca-certificates
+        libqt5opengl5-dev libglew-dev libeigen3-dev libgl1 libopengl0"
+    [quick]="tetgen"
+    [fuzz]="g++"
+)
 
-install_debian() {
+parts=("${@:-${all[@]}}")
+for part in "${parts[@]}"; do
+    [ -f "tests/$part/run.sh" ] || { echo "there is no part $part; the parts are ${all[*]} quick fuzz"; exit 2; }
+done
+
+install_packages() {
     local missing=()
     for package in "$@"; do
         dpkg -s "$package" >/dev/null 2>&1 || missing+=("$package")
     done
-    if [ ${#missing[@]} -gt 0 ]; then
-        apt-get update -qq
+    [ ${#missing[@]} -eq 0 ] && return
+    apt-get update -qq &&
         DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
-    fi
 }
 
-run_core() {
-    install_debian tetgen
-    cargo fmt --all --check
-    cargo clippy --all-targets -- -D warnings
-    cargo test
+# step NAME COMMAND...: one line of the table. A step that fails does not hide the others.
+rows=() failed=0
+step() {
+    local name=$1 began=$SECONDS log=target/tests/$1.log ended=good
+    shift
+    echo "== $name"
+    "$@" 2>&1 | tee "$log" || { ended=FAILED failed=1; }
+    rows+=("$(printf '%-10s %7d  %-9s %s' "$name" $((SECONDS - began)) "$(tests/count.sh "$log")" "$ended")")
 }
 
-run_c() {
-    install_debian gcc g++ cmake pkg-config valgrind binutils python3 tetgen
-    bash tests/c/run.sh
-    bash tests/c/sanitize.sh
-    rm -rf target/sanitize
-    bash tests/c/install.sh
-}
-
-# The Python package: its wheel in a fresh environment.
-run_python() {
-    install_debian python3 python3-venv gcc binutils
-    cargo build --release --lib
-    rm -rf target/python
-    python3 python/build_wheel.py target/python
-    python3 -m venv target/python/venv
-    target/python/venv/bin/pip install -q target/python/*.whl
-    target/python/venv/bin/python tests/python/test_package.py
-}
-
-# The add-on in bpy 4.2, 4.5 and 5.0 and in Debian's Blender, there also in a window.
-run_blender() {
-    install_debian python3 python3-venv gcc binutils tetgen blender python3-numpy xvfb xauth imagemagick \
-        libgl1-mesa-dri libegl1 libgl1 libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6
-    rm -rf dist
-    blender_addon/build.sh
-    cargo build --release
-    tests/blender/run.sh dist
-}
-
-# Images written by other programs, compared with what SimpleITK sees.
-run_images() {
-    install_debian python3-venv
-    cargo build --release
-    local tools
-    tools=$(mktemp -d)
-    python3 -m venv "$tools"
-    "$tools/bin/pip" install --quiet numpy pillow pydicom SimpleITK
-    "$tools/bin/python" tests/images/formats.py target/release/moulage
-    rm -rf "$tools"
-}
-
-# A small study through `moulage batch` and through Snakemake: equal results.
-run_workflow() {
-    install_debian python3-venv
-    cargo build --release
-    local tools
-    tools=$(mktemp -d)
-    python3 -m venv "$tools"
-    "$tools/bin/pip" install --quiet snakemake
-    bash tests/workflow/run.sh target/release/moulage "$tools/bin/snakemake"
-    rm -rf "$tools"
-}
-
-# The MeshLab filter, built from Debian's MeshLab sources, in PyMeshLab.
-run_meshlab() {
-    install_debian python3 python3-venv gcc g++ make cmake binutils xz-utils ca-certificates \
-        libqt5opengl5-dev libglew-dev libeigen3-dev libgl1 libopengl0
-    bash tests/meshlab/run.sh
-}
-
-# Every reader on made-up files, FUZZ_SECONDS each; a crash leaves its file in fuzz/artifacts.
-run_fuzz() {
-    install_debian gcc g++
-    cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked
-    # The sanitizers are not yet stable parts of the compiler.
-    export RUSTC_BOOTSTRAP=1
-    cargo fuzz build
-    for target in $(cargo fuzz list); do
-        mkdir -p "fuzz/corpus/$target" "fuzz/seeds/$target"
-        cargo fuzz run "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- \
-            -max_total_time="${FUZZ_SECONDS:-20}" -rss_limit_mb=2048 -timeout=10
+mkdir -p target/tests
+step install install_packages ${packages[build]} $(for part in "${parts[@]}"; do echo "${packages[$part]}"; done)
+# The quick part builds only what it runs.
+[ "${parts[*]}" = quick ] || step build tests/watchdog.py tests/build.sh
+if [ $failed -eq 0 ]; then
+    for part in "${parts[@]}"; do
+        step "$part" tests/watchdog.py bash "tests/$part/run.sh"
     done
-}
+fi
 
-for part in "${@:-${parts[@]}}"; do
-    echo "== $part"
-    "run_$part"
-done
+printf '\n%-10s %7s  %-9s %s\n' part seconds tests ended
+printf '%s\n' "${rows[@]}"
+printf '%-10s %7d\n' all "$SECONDS"
+exit $failed

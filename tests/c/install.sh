@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Installs the library into an empty prefix and builds consumers that know only that: by CMake, by
 # pkg-config with the shared library, and with the static one.
+#   tests/c/install.sh LIBRARIES
 set -euo pipefail
+libraries=$(realpath "$1")
 cd "$(dirname "$0")/../.."
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 prefix=$out/prefix
-include/install.sh "$prefix"
+include/install.sh "$prefix" "$libraries"
 
 cmake -S tests/c/consumer -B "$out/cmake" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$out/cmake" >/dev/null

@@ -1,28 +1,24 @@
 #!/usr/bin/env bash
-# Builds the MeshLab filter from Debian's MeshLab sources and tests it in PyMeshLab.
-#   tests/meshlab/run.sh [FOLDER]    sources, wheels and builds go into FOLDER (default: a temporary one)
+# Builds the MeshLab filter from Debian's MeshLab sources and tests it in PyMeshLab; called by tests/run.sh.
+# Sources and environments stay in target/cache.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-work=${1:-}
-if [ -z "$work" ]; then
-    work=$(mktemp -d)
-    trap 'rm -rf "$work"' EXIT
-fi
-mkdir -p "$work"
-work=$(realpath "$work")
-
-cargo build --release
-libraries=$(realpath "${CARGO_TARGET_DIR:-target}/release")
-tests/meshlab/sources.sh "$work"
+built=$(realpath "${CARGO_TARGET_DIR:-target}/debug")
+work=$(realpath -m target/meshlab)
+sources=$(realpath -m target/cache/meshlab)
+rm -rf "$work"
+mkdir -p "$work" "$sources"
+cargo build
+tests/meshlab/sources.sh "$sources"
 
 for build in 2025.07:double 2023.12:double 2025.07:float; do
     version=${build%:*} scalar=${build#*:}
     double=OFF
     [ "$scalar" = double ] && double=ON
     # The headers of 2025.07 serve 2023.12 too: what the filter uses has the same layout.
-    cmake -S meshlab_plugin -B "$work/$version-$scalar" -DMESHLAB_SOURCE_DIR="$work/source" \
+    cmake -S meshlab_plugin -B "$work/$version-$scalar" -DMESHLAB_SOURCE_DIR="$sources/source" \
         -DMESHLAB_VERSION="$version" -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR=$double \
-        -DMOULAGE_LIBRARY="$libraries/libmoulage.a" >/dev/null
+        -DMOULAGE_LIBRARY="$built/libmoulage.a" >/dev/null
     cmake --build "$work/$version-$scalar" -j 2
     plugin=$work/$version-$scalar/libfilter_moulage.so
     if nm -D --defined-only "$plugin" | grep -E ' mlg_'; then
@@ -34,16 +30,11 @@ done
 export QT_QPA_PLATFORM=offscreen
 for wheel in 2025.07:2025.7.post1 2023.12:2023.12.post3; do
     version=${wheel%:*} package=${wheel#*:}
-    venv=$work/venv-$version
-    [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
-    "$venv/bin/pip" install -q 'numpy<2' "pymeshlab==$package"
+    python=$(tests/venv.sh "pymeshlab-$package" python3 'numpy<2' "pymeshlab==$package")/bin/python
     # All symbols at once, so that one that is missing shows.
-    LD_BIND_NOW=1 "$venv/bin/python" tests/meshlab/filters.py "$work/$version-double/libfilter_moulage.so" "$work" \
-        "$libraries/moulage"
+    LD_BIND_NOW=1 "$python" tests/meshlab/filters.py "$work/$version-double/libfilter_moulage.so" "$work" "$built/moulage"
     other=$([ "$version" = 2025.07 ] && echo 2023.12 || echo 2025.07)
-    "$venv/bin/python" tests/meshlab/refused.py "$work/2025.07-float/libfilter_moulage.so" \
-        "different floating point precision"
-    "$venv/bin/python" tests/meshlab/refused.py "$work/$other-double/libfilter_moulage.so" \
-        "different version"
+    "$python" tests/meshlab/refused.py "$work/2025.07-float/libfilter_moulage.so" "different floating point precision"
+    "$python" tests/meshlab/refused.py "$work/$other-double/libfilter_moulage.so" "different version"
 done
 echo "meshlab: good"

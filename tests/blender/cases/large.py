@@ -1,6 +1,7 @@
 """A million vertices, and the example script beside the command line."""
 
 import math
+import os
 import subprocess
 import tempfile
 import time
@@ -55,7 +56,7 @@ class Liver(unittest.TestCase):
     """The example script, against the command line with the same options on the same coordinates."""
 
     def test_the_result_is_that_of_the_command_line(self):
-        program = scenes.ROOT / "target" / "release" / "moulage"
+        program = os.environ["MOULAGE_PROGRAM"]
         with tempfile.TemporaryDirectory() as folder:
             folder = Path(folder)
             template = scenes.run_example_script(folder / "liver.blend", max_iterations=12)

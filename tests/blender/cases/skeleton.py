@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import tempfile
 import time
 import unittest
@@ -323,12 +324,10 @@ class Interruptions(unittest.TestCase):
         return armature, part("registering").Registering(bpy.context, armature)
 
     def until_shown(self, run):
-        end = time.monotonic() + 120
         while "Registering" not in " ".join(c.name for c in bpy.data.collections):
             self.assertTrue(run.tick(), "the run ended early")
             run.show()
             time.sleep(0.01)
-            self.assertLess(time.monotonic(), end)
 
     def to_end(self, run):
         while run.tick():
@@ -386,7 +385,7 @@ class Hand(unittest.TestCase):
             (folder / "scan").mkdir()
             target.save(folder / "scan" / "t.ply", points_of(armature.moulage_skeleton.target.data).astype(float))
             subprocess.run(
-                [scenes.ROOT / "target" / "release" / "moulage", "register", folder / "own.skeleton.json",
+                [os.environ["MOULAGE_PROGRAM"], "register", folder / "own.skeleton.json",
                  "--target", folder / "scan" / "t.ply", "-o", folder / "out"], check=True, capture_output=True,
             )
             library = part("library").moulage()

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# A Python environment with packages, kept under target/cache between runs; prints its folder.
+#   tests/venv.sh NAME PYTHON PACKAGE...
+set -euo pipefail
+folder=$(realpath -m "$(dirname "$0")/../target/cache/$1")
+python=$2
+shift 2
+# Made anew when other packages are asked for, or when it was not finished.
+if [ "$(cat "$folder/packages" 2>/dev/null)" != "$*" ]; then
+    rm -rf "$folder"
+    "$python" -m venv "$folder"
+    "$folder/bin/pip" install --quiet --no-cache-dir "$@" >&2
+    echo "$*" >"$folder/packages"
+fi
+echo "$folder"
