@@ -14,6 +14,7 @@ import subprocess
 import sys
 
 SILENCE = 600
+GRACE = 10
 HANGS = 124
 
 
@@ -24,7 +25,12 @@ def main():
     )
 
     def end(*_):
-        os.killpg(child.pid, signal.SIGKILL)
+        # Watchdogs among them end their own.
+        os.killpg(child.pid, signal.SIGTERM)
+        try:
+            child.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            os.killpg(child.pid, signal.SIGKILL)
         sys.exit(HANGS)
 
     signal.signal(signal.SIGTERM, end)
