@@ -5,7 +5,7 @@ set -euo pipefail
 folder=$(realpath -m "$(dirname "$0")/../target/cache/$1")
 python=$2
 shift 2
-# Made anew when other packages are asked for, or when it was not finished.
+# Made again when other packages are asked for, or when it was not finished.
 if [ "$(cat "$folder/packages" 2>/dev/null)" != "$*" ]; then
     rm -rf "$folder"
     "$python" -m venv "$folder"

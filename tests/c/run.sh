@@ -29,6 +29,8 @@ with_sanitized=(-L"$sanitized" -Wl,-rpath,"$out/sanitized" -lmoulage -lm)
 # Program and library under AddressSanitizer, small.
 for program in mistakes inputs images register models separate runs motions; do
     "${c[@]}" "${sanitize[@]}" "tests/c/$program.c" -o "$out/$program.sanitized" "${with_sanitized[@]}"
+done
+for program in mistakes inputs register separate runs; do
     "${c[@]}" -g "tests/c/$program.c" -o "$out/$program" "${with_plain[@]}"
 done
 "${cpp[@]}" "${sanitize[@]}" tests/c/raii.cpp -o "$out/raii.sanitized" "${with_sanitized[@]}"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the library under AddressSanitizer; prints the folder it lies in.
-# Only moulage itself and what is generic in its dependencies is compiled anew: that is where its `unsafe` code is. The
+# Only moulage itself and what is generic in its dependencies is recompiled: that is where its `unsafe` code is. The
 # allocator is watched for all.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

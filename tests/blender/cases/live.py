@@ -9,6 +9,9 @@ from mathutils import Vector
 import scenes
 from scenes import part, shape_of
 
+# Steps of live editing without a run after which nothing more is waited for.
+PATIENCE = 500
+
 
 class Live(unittest.TestCase):
     def setUp(self):
@@ -31,8 +34,12 @@ class Live(unittest.TestCase):
         self.assertTrue(part("live_edit").step(bpy.context))
         time.sleep(0.02)
 
-    def steps_until(self, condition):
+    def steps_until(self, condition, what):
+        """Waits while a run goes on, and for a number of steps without one."""
+        idle = 0
         while not condition():
+            idle = 0 if part("runs").is_running() else idle + 1
+            self.assertLess(idle, PATIENCE, f"waited in vain for {what}")
             self.step()
 
     def a_few_steps(self):
@@ -49,9 +56,9 @@ class Live(unittest.TestCase):
         self.a_few_steps()
         self.assertFalse(part("runs").is_running(), "nothing was moved")
         self.template.moulage.landmarks[0].target.location.x += 0.15
-        self.steps_until(lambda: (self.place() - before).x > 0.08)
+        self.steps_until(lambda: (self.place() - before).x > 0.08, "the tip that follows")
         self.template.moulage.landmarks[0].target.location.x -= 0.15
-        self.steps_until(lambda: abs((self.place() - before).x) < 0.04)
+        self.steps_until(lambda: abs((self.place() - before).x) < 0.04, "the tip that comes back")
 
     def test_settings_that_changed_ask_for_a_whole_run(self):
         bpy.ops.moulage.reshape()
@@ -59,7 +66,7 @@ class Live(unittest.TestCase):
         self.a_few_steps()
         self.template.moulage.tolerance = 0.123
         self.template.moulage.landmarks[0].target.location.x += 0.1
-        self.steps_until(lambda: "reshape once more" in self.template.moulage.result.ending)
+        self.steps_until(lambda: "reshape once more" in self.template.moulage.result.ending, "the sentence")
 
     def test_it_begins_with_a_result_and_ends_when_it_is_switched_off(self):
         self.state.live_edit = True

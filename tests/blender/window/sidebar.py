@@ -13,9 +13,8 @@ _HEADER, _FIRST, _ROW = 28, 15, 16
 _ACROSS, LEFT, ICON = (0.7,), (0.25,), (0.86,)
 _TABS = 20
 
-# Where each button was seen last, and all places that were looked at.
-_seen = {}
-_looked_at = set()
+# What was found at each place that was looked at, the latest last.
+_texts = {}
 
 
 def open_tab():
@@ -48,12 +47,7 @@ def show_panels(*names):
     for number in sorted((there.index(name) for name in names), reverse=True):
         yield from click(x, top - _HEADER * number)
         yield from pause(0.3)
-    _forget()
-
-
-def _forget():
-    _seen.clear()
-    _looked_at.clear()
+    _texts.clear()
 
 
 def _scroll(wheel, count):
@@ -90,11 +84,11 @@ def find(wanted, across=_ACROSS):
     for scroll in (None, "WHEELUPMOUSE", *["WHEELDOWNMOUSE"] * 4):
         if scroll is not None:
             yield from _scroll(scroll, 60 if scroll == "WHEELUPMOUSE" else 12)
-            _forget()
+            _texts.clear()
         for x, y in _places(wanted, across):
             text = yield from _text_at(x, y)
-            _seen[text] = x, y
-            _looked_at.add((x, y))
+            _texts.pop((x, y), None)
+            _texts[x, y] = text
             if _is(wanted, text):
                 return x, y
     raise AssertionError(f"no button or field {wanted} in the side bar")
@@ -109,13 +103,13 @@ def _places(wanted, across):
     side = region("UI")
     rows = range(side.y + side.height - 8, side.y + 8, -_ROW)
     places = [(side.x + int(share * (side.width - _TABS)), y) for y in rows for share in across]
-    before = next((place for text, place in _seen.items() if _is(wanted, text)), None)
+    before = next((place for place, text in reversed(_texts.items()) if _is(wanted, text)), None)
     if before is not None:
         places.sort(key=lambda p: abs(p[1] - before[1]) + (p[0] != before[0]))
         places.insert(0, before)
     else:
         # Another button was there a moment ago.
-        places.sort(key=lambda p: p in _looked_at)
+        places.sort(key=lambda p: p in _texts)
     return places
 
 
