@@ -55,7 +55,7 @@ moulage=$built/moulage
 "${c[@]}" tests/c/examples.c -o "$out/examples" "${with_plain[@]}"
 mkdir -p "$out/c/hand" "$out/cli"
 "$out/examples" examples "$out/c"
-"$moulage" reshape examples/liver/job.toml -o "$out/cli/liver.obj" \
+"$moulage" reshape examples/liver/job.toml --tolerance 3 -o "$out/cli/liver.obj" \
     --tets-out "$out/cli/liver.vtu" --report "$out/cli/report" >/dev/null
 "$moulage" register examples/hand/skeleton.json \
     --target examples/hand/target_surface.ply -o "$out/cli/hand" >/dev/null
@@ -71,10 +71,13 @@ cmp "$out/walk.glb" "$out/cli/walk.glb"
 "$out/separate" "$out" "$out/cli/apart"
 echo "examples: good"
 
-# Inlined frames are not asked for: reading them takes minutes.
-check=(valgrind --quiet --read-inline-info=no --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite)
+# Inlined frames are not asked for: reading them takes minutes. Without the fair scheduler a thread that polls starves the
+# one that works, for ten minutes and more.
+check=(valgrind --fair-sched=yes --quiet --read-inline-info=no --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite)
+"${check[@]}" "$out/runs" quick &
+runs=$!
 "${check[@]}" "$out/mistakes"
 "${check[@]}" "$out/inputs" "$out"
-"${check[@]}" "$out/runs" quick
+wait "$runs"
 
 tests/c/install.sh "$built"

@@ -2,6 +2,15 @@
  * thousand that are started, cancelled and freed. */
 #include "shapes.h"
 
+static int quick; /* every call, with little to compute: for the sanitizers and valgrind */
+
+static MlgReshapingOptions default_options(void) {
+    MlgReshapingOptions options;
+    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
+    if (quick) options.max_iterations = 3;
+    return options;
+}
+
 static MlgProgress poll_run(const MlgRun *run) {
     MlgProgress progress;
     progress.struct_size = sizeof progress;
@@ -21,13 +30,12 @@ static void known_answer(uint32_t tet_count) {
     double points[3 * POINTS], inside[] = {0.1, 0.2, 0.3};
     MlgReshaping *problem = sphere_problem(points, tet_count);
     MlgReshapingResult *one = NULL, *two = NULL;
-    MlgReshapingOptions options;
+    MlgReshapingOptions options = default_options();
     MlgReshapingSummary summary;
     size_t i, count = 0, more = 0;
     const double *x;
     double worst = 0;
 
-    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
     options.thread_count = 1;
     CHECK(mlg_reshaping_run(problem, &options, &one, NULL) == MLG_STATUS_OK);
     options.thread_count = 2;
@@ -57,11 +65,12 @@ static void known_answer(uint32_t tet_count) {
 static void polling_and_two_at_once(uint32_t tet_count) {
     double points[3 * POINTS], preview[3 * POINTS];
     MlgReshaping *problem = sphere_problem(points, tet_count);
+    const MlgReshapingOptions options = default_options();
     MlgRun *first = NULL, *second = NULL;
     MlgReshapingResult *result = NULL;
     size_t count = 0;
-    CHECK(mlg_reshaping_start(problem, NULL, &first, NULL) == MLG_STATUS_OK);
-    CHECK(mlg_reshaping_start(problem, NULL, &second, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_start(problem, &options, &first, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_start(problem, &options, &second, NULL) == MLG_STATUS_OK);
     mlg_reshaping_free(problem); /* the runs have their own copy */
     do {
         CHECK(mlg_run_preview_points(first, preview, POINTS, &count, NULL) == MLG_STATUS_OK);
@@ -82,17 +91,17 @@ static void again_after_a_landmark_moved(uint32_t tet_count) {
     double points[3 * POINTS], place[3], target[3];
     MlgReshaping *problem = sphere_problem(points, tet_count), *other;
     MlgReshapingResult *first = NULL, *second = NULL;
-    MlgReshapingOptions options;
+    MlgReshapingOptions options = default_options();
     MlgRun *run = NULL;
     MlgError error;
     int k;
-    CHECK(mlg_reshaping_run(problem, NULL, &first, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_run(problem, &options, &first, NULL) == MLG_STATUS_OK);
     for (k = 0; k < 3; k++) {
         place[k] = points[k];
         target[k] = 1.1 * mlg_reshaping_result_points(first, NULL)[k];
     }
     CHECK(mlg_reshaping_set_landmarks(problem, place, target, NULL, 1, NULL) == MLG_STATUS_OK);
-    CHECK(mlg_reshaping_start_again(first, problem, NULL, &run, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_start_again(first, problem, &options, &run, NULL) == MLG_STATUS_OK);
     CHECK(mlg_run_wait_reshaping(run, &second, NULL) == MLG_STATUS_OK);
     printf("again: %u iterations after %u\n", (unsigned)summary_of(second).iterations,
            (unsigned)summary_of(first).iterations);
@@ -101,7 +110,6 @@ static void again_after_a_landmark_moved(uint32_t tet_count) {
     mlg_run_free(run);
     mlg_reshaping_result_free(second);
 
-    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
     options.smoothness *= 2;
     CHECK(mlg_reshaping_start_again(first, problem, &options, &run, NULL) == MLG_STATUS_OK);
     CHECK(mlg_run_wait_reshaping(run, &second, &error) == MLG_STATUS_INVALID_ARGUMENT);
@@ -122,13 +130,14 @@ static void again_after_a_landmark_moved(uint32_t tet_count) {
 static void cancel_at_every_stage(int times, uint32_t tet_count) {
     double points[3 * POINTS];
     MlgReshaping *problem = sphere_problem(points, tet_count);
+    const MlgReshapingOptions options = default_options();
     int i, with_result = 0;
     for (i = 0; i < times; i++) {
         MlgRun *run = NULL;
         MlgReshapingResult *result = NULL;
         MlgStatus status;
         long wait;
-        CHECK(mlg_reshaping_start(problem, NULL, &run, NULL) == MLG_STATUS_OK);
+        CHECK(mlg_reshaping_start(problem, &options, &run, NULL) == MLG_STATUS_OK);
         for (wait = 0; wait < 2000L * i && poll_run(run).state == MLG_RUN_RUNNING; wait++) {
         }
         mlg_run_cancel(run);
@@ -146,12 +155,11 @@ static void cancel_at_every_stage(int times, uint32_t tet_count) {
     mlg_reshaping_free(problem);
 }
 
-static void start_cancel_free(int times) {
+static void start_cancel_free(int times, uint32_t tet_count) {
     double points[3 * POINTS];
-    MlgReshaping *problem = sphere_problem(points, 100);
-    MlgReshapingOptions options;
+    MlgReshaping *problem = sphere_problem(points, tet_count);
+    MlgReshapingOptions options = default_options();
     int i;
-    CHECK(mlg_reshaping_options_init(&options, sizeof options) == MLG_STATUS_OK);
     options.thread_count = 1;
     for (i = 0; i < times; i++) {
         MlgRun *run = NULL;
@@ -162,15 +170,16 @@ static void start_cancel_free(int times) {
     mlg_reshaping_free(problem);
 }
 
-/* "quick" makes everything small, for valgrind. */
+/* runs [quick] */
 int main(int argc, char **argv) {
-    const int quick = argc > 1 && strcmp(argv[1], "quick") == 0;
-    const uint32_t tet_count = quick ? 60 : 1500;
+    uint32_t tet_count;
+    quick = argc > 1 && strcmp(argv[1], "quick") == 0;
+    tet_count = quick ? 60 : 1500;
     known_answer(tet_count);
     polling_and_two_at_once(tet_count);
     again_after_a_landmark_moved(tet_count);
     cancel_at_every_stage(quick ? 2 : 20, quick ? 60 : 800);
-    start_cancel_free(quick ? 5 : 1000);
+    start_cancel_free(quick ? 5 : 1000, quick ? 60 : 100);
     puts("runs: good");
     return 0;
 }

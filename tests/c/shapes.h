@@ -83,13 +83,21 @@ static inline size_t ellipsoid_markers(const double *points, double *markers) {
     return count;
 }
 
+/* The tets of the last call are kept: under valgrind they take seven seconds. */
 static inline MlgReshaping *sphere_problem(double *points, uint32_t tet_count) {
+    static MlgTetrahedralization *tets;
+    static uint32_t kept_count;
+    static double kept_points[3 * POINTS];
     double markers[3 * POINTS];
     MlgReshaping *problem = NULL;
-    MlgTetrahedralization *tets = sphere_tets(points, tet_count);
-    const size_t count = ellipsoid_markers(points, markers);
+    size_t count;
+    if (tet_count != kept_count) {
+        mlg_tetrahedralization_free(tets);
+        tets = sphere_tets(kept_points, kept_count = tet_count);
+    }
+    memcpy(points, kept_points, sizeof kept_points);
+    count = ellipsoid_markers(points, markers);
     CHECK(mlg_reshaping_new(tets, &problem, NULL) == MLG_STATUS_OK);
-    mlg_tetrahedralization_free(tets);
     CHECK(mlg_reshaping_set_markers(problem, markers, NULL, count, NULL) == MLG_STATUS_OK);
     return problem;
 }
