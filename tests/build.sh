@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The one build that all parts share: the profile `dev`, which checks overflows and assertions, with optimized dependencies.
+# The library and the program that all parts share, in the profile `dev`: it checks overflows and assertions, its dependencies
+# are optimized. Prints the folder they lie in.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build
-cargo test --no-run
+cargo build >&2
+realpath "${CARGO_TARGET_DIR:-target}/debug"

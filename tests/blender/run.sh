@@ -5,8 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 pictures=${1:-target/blender/pictures}
 dist=target/blender/dist
-built=${CARGO_TARGET_DIR:-target}/debug
-cargo build
+built=$(tests/build.sh)
 rm -rf "$pictures" "$dist"
 blender_addon/build.sh "$dist" "$built"
 export MOULAGE_PROGRAM=$built/moulage
@@ -30,19 +29,16 @@ in_a_window >target/blender/window.log 2>&1 &
 window=$!
 trap 'kill "$window" 2>/dev/null || true' EXIT
 
-# Large meshes run in the newest Blender alone: what they prove depends on no version.
-small=$(cd tests/blender/cases && ls -- *.py | sed 's/\.py$//' | grep -v -e __init__ -e large)
 for version in 4.2.23 4.5.15 5.0.1; do
     # Blender's wheels are for Python 3.11.
     venv=$(tests/venv.sh "bpy-$version" python3.11 "bpy==$version" numpy)
     tool=$(echo "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
     "$venv/bin/python" "$tool" validate "$dist"/moulage-*-linux-x64.zip
-    # shellcheck disable=SC2046,SC2086
-    "$venv/bin/python" tests/blender/run.py "$dist" $([ "$version" = 5.0.1 ] || echo $small)
+    "$venv/bin/python" tests/blender/run.py "$dist"
 done
 
 fresh_settings
-blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- "$dist" $small
+blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py -- "$dist"
 
 # The parts of the session go on being told while it is waited for.
 tail -n +1 -f --pid="$window" target/blender/window.log

@@ -4,9 +4,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-cargo build
-built=$(realpath "${CARGO_TARGET_DIR:-target}/debug")
-sanitized=$(tests/c/sanitized.sh)
+built=$(tests/build.sh)
+sanitized=$(tests/c/sanitized.sh "$built")
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Builds the library under AddressSanitizer; prints the folder it lies in.
+#   tests/c/sanitized.sh BUILT    the folder of the plain build
 # Only moulage itself and what is generic in its dependencies is recompiled: that is where its `unsafe` code is. The
 # allocator is watched for all.
 set -euo pipefail
+built=$(realpath "$1")
 cd "$(dirname "$0")/../.."
-built=${CARGO_TARGET_DIR:-target}/debug
 folder=target/sanitized
 rm -rf "$folder"
 mkdir -p "$folder/debug"

@@ -3,12 +3,11 @@
 # Sources and environments stay in target/cache.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-built=$(realpath "${CARGO_TARGET_DIR:-target}/debug")
+built=$(tests/build.sh)
 work=$(realpath -m target/meshlab)
 sources=$(realpath -m target/cache/meshlab)
 rm -rf "$work"
 mkdir -p "$work" "$sources"
-cargo build
 tests/meshlab/sources.sh "$sources"
 
 for build in 2025.07:double 2023.12:double 2025.07:float; do

@@ -2,10 +2,10 @@
 # The Python package: its wheel in a fresh environment; called by tests/run.sh.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-cargo build
+built=$(tests/build.sh)
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-python3 python/build_wheel.py "$out" "${CARGO_TARGET_DIR:-target}/debug"
+python3 python/build_wheel.py "$out" "$built"
 python3 -m venv "$out/venv"
 "$out/venv/bin/pip" install --quiet --no-cache-dir "$out"/*.whl
 "$out/venv/bin/python" tests/python/test_package.py

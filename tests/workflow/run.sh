@@ -4,8 +4,7 @@
 set -euo pipefail
 root=$(realpath "$(dirname "$0")/../..")
 cd "$root"
-cargo build
-moulage=$(realpath "${CARGO_TARGET_DIR:-target}/debug/moulage")
+moulage=$(tests/build.sh)/moulage
 snakemake=$(tests/venv.sh workflow python3 snakemake)/bin/snakemake
 study=$(mktemp -d)
 trap 'rm -rf "$study"' EXIT
