@@ -1,4 +1,4 @@
-//! What can go wrong, in sentences that name the place and the way out.
+//! What can go wrong, in sentences that name the place and how to fix it.
 
 use std::path::{Path, PathBuf};
 

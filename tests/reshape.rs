@@ -139,12 +139,12 @@ fn a_moved_landmark_is_followed_from_the_earlier_shape() {
     let again =
         |problem: &Problem, options: &Options| reshape_again(&first, problem, options, &Run::new());
     let followed = again(&problem, &Options::default()).unwrap();
-    let anew = solve(&problem);
-    let moved = largest_difference(&anew.surface_points, first.surface_points.iter().copied());
+    let fresh = solve(&problem);
+    let moved = largest_difference(&fresh.surface_points, first.surface_points.iter().copied());
     let difference =
-        largest_difference(&followed.surface_points, anew.surface_points.iter().copied());
+        largest_difference(&followed.surface_points, fresh.surface_points.iter().copied());
     assert!(moved > 0.05 && difference < 0.1 * moved, "{difference} after {moved}");
-    assert!(followed.summary.iterations.len() < anew.summary.iterations.len());
+    assert!(followed.summary.iterations.len() < fresh.summary.iterations.len());
     assert_eq!(inverted(&problem, &followed), 0);
 
     let with = |threads| {

@@ -149,7 +149,7 @@ fn register_bones(
     Ok(record.surfaces)
 }
 
-/// Runs `work` with a run of its own, whose fraction begins anew; it is cancelled with `run`.
+/// Runs `work` with a run of its own, whose fraction begins at zero; it is cancelled with `run`.
 fn watched<T: Send>(run: &Run, work: impl FnOnce(&Run) -> Result<T> + Send) -> Result<T> {
     let inner = Run::new();
     std::thread::scope(|scope| {

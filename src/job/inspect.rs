@@ -16,7 +16,7 @@ const UNITS: [(f64, &str); 4] = [
     (10.0, "centimetres beside millimetres"),
     (25.4, "inches beside millimetres"),
 ];
-/// Markers this share of the diagonal away from the template, in the mean, are somewhere else.
+/// Markers this share of the diagonal away from the template, on average, are somewhere else.
 const FAR: f64 = 0.5;
 /// A frame is mixed up if turning it brings the markers this much nearer.
 const NEARER: f64 = 0.2;

@@ -1,5 +1,5 @@
 //! Reshaping in legs. Where tets have become so flat that the solver finds no way on, the shape it
-//! reached is filled with tets anew, and that is the rest shape of the next leg. \[W\] leaves this to
+//! reached is filled with new tets, and that is the rest shape of the next leg. \[W\] leaves this to
 //! future work.
 //!
 //! Surface vertices keep their order, so that points of the template given by vertex stay what they

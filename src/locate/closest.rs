@@ -20,7 +20,7 @@ pub struct SurfacePoint {
 }
 
 /// Answers closest-point questions on a surface; after the points have moved, [`Self::refit`] is
-/// some ten times faster than building anew.
+/// some ten times faster than building it again.
 #[derive(Clone, Debug)]
 pub struct ClosestPoints {
     triangles: Vec<[u32; 3]>,

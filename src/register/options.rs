@@ -64,7 +64,7 @@ pub struct Options {
     pub scale_freedom: ScaleFreedom,
     /// How scales are held together.
     pub scales: ScaleOptions,
-    /// At rest when no bone moves more than this share of the template's diagonal in the mean.
+    /// At rest when no bone moves more than this share of the template's diagonal on average.
     pub tolerance: f64,
     /// Iterations per level at most.
     pub max_iterations: usize,

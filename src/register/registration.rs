@@ -277,7 +277,7 @@ impl Registration {
         let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
         take_shape(&mut reference, placed, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones
-        // stay where the data puts them and the joint is seated anew in the middle.
+        // stay where the data puts them and the joint is seated again in the middle.
         let limits: Vec<f64> = reference.joints.iter().map(|j| j.limits.shift).collect();
         for joint in &mut reference.joints {
             joint.limits.shift *= self.options.seat_factor.max(1.0);

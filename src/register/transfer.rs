@@ -15,7 +15,7 @@ use crate::mesh::{TriMesh, bounding_box};
 
 /// Rounds for each cluster size at most.
 const MAX_ROUNDS: usize = 60;
-/// At rest when the tissue moves less than this in the mean, as a share of its diagonal.
+/// At rest when the tissue moves less than this on average, as a share of its diagonal.
 const TOLERANCE: f64 = 5e-5;
 /// Smallest cluster radius in mean edge lengths of the tissue.
 const SMALLEST_IN_EDGES: f64 = 4.0;
@@ -102,7 +102,7 @@ mod tests {
         let carried = carry_soft_tissue(&template, &grown, &skin).unwrap();
         let misses = carried.iter().zip(&skin.points).map(|(c, p)| (c - grow(p)).norm());
         let mean = misses.sum::<f64>() / skin.points.len() as f64;
-        // Standing still would miss by 1.2 in the mean.
+        // Standing still would miss by 1.2 on average.
         assert!(mean < 0.5, "{mean}");
         assert!(carry_soft_tissue(&template, &grown[1..], &skin).is_err());
     }

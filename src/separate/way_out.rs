@@ -17,7 +17,7 @@ use crate::mesh::adjacency::Lists;
 /// Sources are summed over this many depths of the overlap.
 const REACH: f64 = 2.0;
 
-/// What two surfaces shared when their overlap was first seen. Directions found anew in each round would
+/// What two surfaces shared when their overlap was first seen. Directions found again in each round would
 /// send a wall that is halfway out back the way it came.
 pub(super) struct Shared {
     /// Points of the other surface inside, with their share of its area as outward vectors.

@@ -23,7 +23,7 @@ const SMALLEST_TURN_COSINE: f64 = 0.2;
 const THINNEST: f64 = 0.05;
 
 /// Reduces a closed manifold surface to about `triangle_count` triangles; stops earlier when no
-/// edge can be collapsed. Vertices are numbered anew.
+/// edge can be collapsed. Vertices are renumbered.
 pub fn simplify(surface: &TriMesh, triangle_count: usize) -> TriMesh {
     let mut work = Simplifier::new(surface);
     let mut queue = BinaryHeap::new();

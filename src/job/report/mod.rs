@@ -124,7 +124,7 @@ pub struct Report {
     pub volume_ratio: f64,
     /// Each iteration.
     pub iterations: Vec<Iteration>,
-    /// Where the tets were made anew.
+    /// Where new tets were made.
     pub remeshes: Vec<Remesh>,
     /// What the image added to the user's markers.
     #[serde(skip_serializing_if = "Option::is_none")]
