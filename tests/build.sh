@@ -3,5 +3,5 @@
 # are optimized. Prints the folder they lie in.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build >&2
+tests/cargo.sh build >&2
 realpath "${CARGO_TARGET_DIR:-target}/debug"

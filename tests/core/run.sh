@@ -3,7 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo fmt --all --check
-cargo clippy --all-targets -- -D warnings
-cargo test
-cargo clippy -p moulage-header --all-targets -- -D warnings
-cargo test -p moulage-header
+tests/cargo.sh build --all-targets
+tests/cargo.sh test
+tests/cargo.sh test -p moulage-header

@@ -3,6 +3,5 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo fmt --all --check
-cargo clippy --all-targets -- -D warnings
-cargo test --lib --test architecture --test example_liver --test register_hand
-cargo test -p moulage-header
+tests/cargo.sh test --lib --test architecture --test example_liver --test register_hand
+tests/cargo.sh test -p moulage-header
