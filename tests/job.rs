@@ -283,6 +283,7 @@ fn a_sphere_becomes_a_liver_on_tets_made_anew() {
     let distance = report.marker_distance;
     assert!(distance.before.mean > 15.0 && distance.after.mean < 0.4, "{distance:?}");
     assert!(report.stretch_range[1] > 2.0, "the whole change is told: {:?}", report.stretch_range);
+    assert!(!report.remeshes.is_empty());
     let page = folder.read("report/report.html");
     assert_eq!(page.matches("Tets made anew").count(), report.remeshes.len());
     let json: serde_json::Value = serde_json::from_str(&folder.read("report/report.json")).unwrap();

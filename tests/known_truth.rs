@@ -183,7 +183,7 @@ fn a_beam_is_bent_and_widened_two_and_three_times() {
 #[test]
 fn one_pulled_landmark_makes_a_bulge_and_not_a_spike() {
     let mut ratios = Vec::new();
-    for (squares, tet_count) in [(10.0, 4_000), (16.0, 10_000), (22.0, 21_000)] {
+    for (squares, tet_count) in [(10.0, 4_000), (14.0, 6_500)] {
         let mut problem = filled(ellipsoid(Vec3::repeat(50.0), squares), tet_count);
         let points = problem.surface.points.clone();
         let top = (0..points.len()).max_by(|&a, &b| points[a].z.total_cmp(&points[b].z)).unwrap();
@@ -214,13 +214,11 @@ fn one_pulled_landmark_makes_a_bulge_and_not_a_spike() {
         );
         assert_eq!(inverted(&problem, &result), 0);
         assert!(plastic > 2.0 * elastic, "{plastic} {elastic}");
-        ratios.push(plastic);
+        ratios.push([plastic, elastic]);
     }
-    let (low, high) = (
-        ratios.iter().copied().fold(f64::MAX, f64::min),
-        ratios.iter().copied().fold(0.0, f64::max),
-    );
-    assert!(high - low < 0.05 * high, "depends on the mesh: {ratios:?}");
+    let [plastic, elastic] = [0, 1].map(|k| ratios[1][k] / ratios[0][k]);
+    assert!((plastic - 1.0).abs() < 0.05, "the bulge depends on the mesh: {ratios:?}");
+    assert!(elastic < 0.5, "the spike does not: {ratios:?}");
 }
 
 /// Where the surface goes when the landmark is held by a stiff spring and nothing is plastic.

@@ -1,7 +1,7 @@
 //! Scans as they come: all bones of a hand in one surface, fused at the joints, with steps and noise;
 //! and the same hands bone by bone.
 //!
-//! `cargo test --release --test register_fused -- --nocapture` prints the figures of docs/register.md.
+//! `cargo test --release --test register_fused -- --include-ignored --nocapture` prints the figures of docs/register.md.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod hands;
@@ -42,36 +42,49 @@ fn largest_part(surface: &TriMesh) -> f64 {
     *sizes.iter().max().unwrap() as f64 / surface.triangles.len() as f64
 }
 
-#[test]
-fn three_hands_are_found_in_fused_and_noisy_scans() {
+/// A hand of other sizes and joint angles, from its noisy scan.
+fn follow_a_scan(seed: u64) {
     let template = template();
-    for seed in [11, 12, 13] {
-        let truth = in_a_pose(&person(&template, seed, 0.0, BUMPS), seed, 0.3);
-        let scan = fused_scan(&truth, seed);
-        assert!(largest_part(&scan) > 0.3, "the bones are apart");
-        let target = Target::whole(scan).unwrap();
-        let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
-        let start = vertex_error(&template.points, &truth.points);
-        check(&format!("fused scan {seed}"), &found, &truth, start);
-    }
+    let truth = in_a_pose(&person(&template, seed, 0.0, BUMPS), seed, 0.3);
+    let scan = fused_scan(&truth, seed);
+    assert!(largest_part(&scan) > 0.3, "the bones are apart");
+    let target = Target::whole(scan).unwrap();
+    let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
+    let start = vertex_error(&template.points, &truth.points);
+    check(&format!("fused scan {seed}"), &found, &truth, start);
 }
 
-#[test]
-fn with_statistics_three_hands_are_found_in_few_iterations() {
+/// The same with the statistics of eight more hands, which spares iterations.
+fn follow_a_scan_with_statistics(seed: u64) {
     let template = template();
     let others: Vec<Vec<Vec3>> =
         (21..29).map(|seed| person(&template, seed, 0.8, 0.0).points).collect();
     let model = ShapeModel::fit(&template, &others).unwrap();
     let registration = Registration::new(template.clone(), Options::default()).unwrap();
     let registration = registration.with_shape_model(model).unwrap();
-    for seed in [15, 16, 17] {
-        let truth = in_a_pose(&person(&template, seed, 0.8, BUMPS), seed, 0.05);
-        let target = Target::whole(fused_scan(&truth, seed)).unwrap();
-        let found = registration.register(&target, &Run::new()).unwrap();
-        let start = vertex_error(&template.points, &truth.points);
-        check(&format!("with statistics {seed}"), &found, &truth, start);
-        assert!(found.iterations() <= 70, "{}", found.iterations());
-    }
+    let truth = in_a_pose(&person(&template, seed, 0.8, BUMPS), seed, 0.05);
+    let target = Target::whole(fused_scan(&truth, seed)).unwrap();
+    let found = registration.register(&target, &Run::new()).unwrap();
+    let start = vertex_error(&template.points, &truth.points);
+    check(&format!("with statistics {seed}"), &found, &truth, start);
+    assert!(found.iterations() <= 70, "{}", found.iterations());
+}
+
+#[test]
+fn a_hand_is_found_in_a_fused_and_noisy_scan() {
+    follow_a_scan(11);
+}
+
+#[test]
+fn with_statistics_a_hand_is_found_in_few_iterations() {
+    follow_a_scan_with_statistics(15);
+}
+
+#[test]
+#[ignore = "one hand shows the rule; these are the other figures of docs/register.md"]
+fn four_more_hands_are_found() {
+    [12, 13].into_iter().for_each(follow_a_scan);
+    [16, 17].into_iter().for_each(follow_a_scan_with_statistics);
 }
 
 #[test]
