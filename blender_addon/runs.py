@@ -5,6 +5,8 @@ works on threads of its own, and between ticks nothing of Blender is held."""
 import time
 import weakref
 
+import numpy
+
 from .library import Wrong, moulage, sentence
 
 # A live view may take so large a share of the time between ticks, and no more.
@@ -32,6 +34,7 @@ class Running:
         self._stopping = False
         self._run = self._filling = None
         self._next_view = 0.0
+        self._shown = None
         _open.add(self)
 
     def stop(self):
@@ -49,15 +52,18 @@ class Running:
         self._error = _NO_SHAPE
 
     def show(self):
-        """Shows the latest shape, unless that would take too long."""
+        """Shows the latest shape if it is new, unless that would take too long; says whether it did."""
         began = time.monotonic()
         if self._run is None or began < self._next_view or not self.wants_view():
-            return
+            return False
         points = self._run.preview_points()
-        if points is not None:
-            self.show_points(points)
+        if points is None or numpy.array_equal(points, self._shown):
+            return False
+        self.show_points(points)
+        self._shown = points
         now = time.monotonic()
         self._next_view = now + (now - began) / _LIVE_SHARE
+        return True
 
     def _wait(self):
         if self._error is None:

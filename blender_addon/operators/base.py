@@ -108,11 +108,14 @@ def publish(context, current):
         state.details = f"Step {progress.iteration}: " + ", ".join(f"{n} {w}" for n, w in zip(names, words))
 
 
-def redraw(context):
+def redraw(context, view=True):
+    """All of each 3D view, or its side bar alone: a heavy scene is not drawn again for each number."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
-                area.tag_redraw()
+                for region in area.regions:
+                    if view or region.type == "UI":
+                        region.tag_redraw()
 
 
 class Runs:
@@ -160,9 +163,9 @@ class Runs:
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         if current.tick():
-            current.show()
+            shown = current.show()
             publish(context, current)
-            redraw(context)
+            redraw(context, view=shown)
             return {"PASS_THROUGH"}
         if current.waits_for_object_mode:
             context.window_manager.moulage.stage = "Leave Edit Mode to receive the result"
