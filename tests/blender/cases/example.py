@@ -14,7 +14,7 @@ from scenes import part, points_of, shape_of
 
 
 # Few: the two are to agree, not to be good.
-ITERATIONS = 5
+ITERATIONS = 4
 
 
 class Liver(unittest.TestCase):

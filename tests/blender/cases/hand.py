@@ -75,6 +75,7 @@ class Interruptions(unittest.TestCase):
 class Hand(unittest.TestCase):
     """The hand of examples/, as the command line and the library register it."""
 
+    @scenes.in_the_newest
     def test_the_result_is_that_of_the_command_line(self):
         armature, target = hand_with_scan()
         self.assertEqual((len(armature.data.bones), len(armature.children)), (27, 27))

@@ -136,7 +136,7 @@ class Separate(unittest.TestCase):
         inside = scenes.add_mesh("core", numpy.multiply(_CUBE, 0.4), _SIDES)
         self.bones.objects.unlink(self.box)
         self.bones.objects.link(inside)
-        settings().rings = 1
+        settings().rings, settings().tet_count = 1, 1200
         select(self.left)
         bpy.ops.moulage.separate()
         self.assertFalse(settings().clear, settings().report)

@@ -1,5 +1,5 @@
 """Clicks and keys in Blender's window, and waiting for what they bring about. Steps are generators: Blender goes on
-at each `yield`. A step waits for its result, never for a time alone: machines differ."""
+at each `yield`. A step waits for its result or for turns of Blender's loop, never for a time: machines differ."""
 
 import importlib
 import os
@@ -54,9 +54,9 @@ def press(kind, place=None, text=None, **modifiers):
 def click(x, y, **modifiers):
     """Moves there and clicks."""
     event("MOUSEMOVE", "NOTHING", (x, y))
-    yield from pause(0.1)
+    yield from pause()
     press("LEFTMOUSE", (x, y), **modifiers)
-    yield from pause(0.1)
+    yield from pause()
 
 
 def type_text(text):
@@ -72,17 +72,17 @@ def keys(*names):
             yield from type_text(name)
         else:
             press(name)
-        yield from pause(0.2)
+        yield from pause()
 
 
 def search(name):
     """Runs an operator as a user does who does not know where its button is: F3, its name, Enter."""
     press("F3")
-    yield from pause(0.5)
+    yield from pause()
     yield from type_text(name.lower())
-    yield from pause(0.5)
+    yield from pause()
     press("RET")
-    yield from pause(0.3)
+    yield from pause()
 
 
 def undo():
@@ -109,21 +109,18 @@ def choose_file(path, **options):
     space.params.directory, space.params.filename = str(path.parent).encode(), path.name
     for name, value in options.items():
         setattr(space.active_operator, name, value)
-    yield from pause(0.5)
+    yield from pause()
     listing = next(r for r in place.regions if r.type == "WINDOW")
     middle = listing.x + listing.width // 2, listing.y + listing.height // 2
     for value in ("PRESS", "RELEASE"):
         own.event_simulate(type="RET", value=value, x=middle[0], y=middle[1])
     yield from until(lambda: not browser(), f"the end of the file browser for {path.name}")
-    yield from pause(0.3)
+    yield from pause()
 
 
-def pause(seconds):
-    """So long, and at least a few turns of Blender's loop, in which it takes events and draws."""
-    end = time.monotonic() + seconds
-    turns = 0
-    while turns < _TURNS or time.monotonic() < end:
-        turns += 1
+def pause():
+    """A few turns of Blender's loop, in which it takes events and draws."""
+    for _ in range(_TURNS):
         yield
 
 
@@ -135,6 +132,8 @@ def until(condition, what):
         turns = 0 if running() else turns + 1
         if turns > _PATIENCE:
             raise AssertionError(f"waited in vain for: {what}")
+        # While events are simulated Blender's loop never rests: leaves the processor to the run.
+        time.sleep(0.02)
         yield
 
 
@@ -159,7 +158,7 @@ def look_at(objects, axis="FRONT"):
         bpy.ops.view3d.view_axis(type=axis)
         bpy.ops.view3d.view_selected()
         bpy.ops.object.select_all(action="DESELECT")
-    yield from pause(0.5)
+    yield from pause()
 
 
 def screenshot(path):
@@ -172,7 +171,7 @@ def picture(name):
     """A screenshot of the whole window, without a tooltip."""
     event("MOUSEMOVE", "NOTHING")
     area().tag_redraw()
-    yield from pause(0.6)
+    yield from pause()
     screenshot(Path(os.environ["MOULAGE_PICTURES"]) / f"{name}.png")
     yield
 

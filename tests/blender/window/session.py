@@ -33,9 +33,9 @@ def steps(names):
     bpy.context.preferences.system.viewport_aa = "OFF"
     # The file browser is to be in this window.
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
-    yield from events.pause(1)
+    yield from events.pause()
     events.press("ESC")
-    yield from events.pause(0.5)
+    yield from events.pause()
     for name in names:
         began = time.monotonic()
         yield from importlib.import_module(f"chapters.{name}").session()
@@ -63,7 +63,7 @@ def main():
             events.screenshot(pictures / "failed.png")
             sys.stderr.flush()
             os._exit(1)
-        return 0.02
+        return 0.0
 
     bpy.app.timers.register(go_on, first_interval=1.0, persistent=True)
 

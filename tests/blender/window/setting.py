@@ -34,7 +34,7 @@ def with_template():
     if template() is None or template().name not in bpy.context.scene.objects:
         scene().template = load_liver()
         bpy.ops.moulage.use_millimetres()
-        scene().template.moulage.tet_count = 5000
+        scene().template.moulage.tet_count = 2000
     return template()
 
 
@@ -59,7 +59,7 @@ def with_result():
     """The liver in the person's shape, by a short run."""
     ob = with_landmarks()
     if not has_result():
-        ob.moulage.tet_count, ob.moulage.max_iterations = 5000, 20
+        ob.moulage.tet_count, ob.moulage.max_iterations = 2000, 20
         bpy.ops.moulage.reshape("EXEC_DEFAULT")
     return template()
 

@@ -22,7 +22,7 @@ def open_tab():
     area().spaces.active.show_region_ui = True
     yield from until(lambda: region("UI").width > 100, "the side bar")
     for _ in range(5):
-        yield from pause(0.3)
+        yield from pause()
         side = region("UI")
         yield from show_panels("Template")
         text = yield from _text_at(side.x + side.width // 3, side.y + side.height - 45)
@@ -39,14 +39,14 @@ def show_panels(*names):
     yield from _scroll("WHEELUPMOUSE", 60)
     # Ctrl closes the others.
     yield from click(x, top, ctrl=True)
-    yield from pause(0.3)
+    yield from pause()
     yield from click(x, top)
-    yield from pause(0.3)
+    yield from pause()
     # The lowest first: the headers above it stay where they are.
     there = _OUTER if template() is None else _ALL
     for number in sorted((there.index(name) for name in names), reverse=True):
         yield from click(x, top - _HEADER * number)
-        yield from pause(0.3)
+        yield from pause()
     _texts.clear()
 
 
@@ -55,7 +55,7 @@ def _scroll(wheel, count):
     for _ in range(count):
         # Below the last panel the wheel would zoom the view.
         event(wheel, "PRESS", (side.x + side.width // 2, side.y + side.height - _FIRST))
-    yield from pause(0.3)
+    yield from pause()
 
 
 def _text_at(x, y):
@@ -80,7 +80,7 @@ def _text_at(x, y):
 def find(wanted, across=_ACROSS):
     """Where the button is whose command or data path has the text; where it was seen last is looked at first."""
     # The layout may be about to change.
-    yield from pause(0.2)
+    yield from pause()
     for scroll in (None, "WHEELUPMOUSE", *["WHEELDOWNMOUSE"] * 4):
         if scroll is not None:
             yield from _scroll(scroll, 60 if scroll == "WHEELUPMOUSE" else 12)
@@ -122,19 +122,19 @@ def type_into(wanted, text, across=_ACROSS):
     """Over the field Enter, which selects what is there; the text, Enter."""
     place = yield from find(wanted, across)
     press("RET", place)
-    yield from pause(0.3)
+    yield from pause()
     yield from type_text(text)
     press("RET")
-    yield from pause(0.3)
+    yield from pause()
 
 
 def write_into(wanted, text, across=_ACROSS):
     """The same for a field with a path, which takes no Enter: a click, the text, Enter."""
     yield from click_button(wanted, across)
-    yield from pause(0.3)
+    yield from pause()
     yield from type_text(text)
     press("RET")
-    yield from pause(0.3)
+    yield from pause()
 
 
 def choose(wanted, letter, across=_ACROSS):
@@ -145,27 +145,27 @@ def choose(wanted, letter, across=_ACROSS):
 
 def choose_at(place, letter):
     yield from click(*place)
-    yield from pause(0.4)
+    yield from pause()
     # Away from the menu the mouse would close it.
     press(letter, place)
-    yield from pause(0.2)
+    yield from pause()
 
 
 def pick(wanted, name, across=_ACROSS):
     """Picks an object or collection: click the field, type the name, Enter."""
     yield from click_button(wanted, across)
-    yield from pause(0.5)
+    yield from pause()
     yield from type_text(name)
-    yield from pause(0.5)
+    yield from pause()
     press("RET")
-    yield from pause(0.3)
+    yield from pause()
 
 
 def empty_field(wanted, across=_ACROSS):
     """Over the field Backspace: back to what it was at first."""
     place = yield from find(wanted, across)
     press("BACK_SPACE", place)
-    yield from pause(0.3)
+    yield from pause()
 
 
 def open_inner_panel(below, shows, gap):
@@ -174,5 +174,5 @@ def open_inner_panel(below, shows, gap):
     while _is(below, (yield from _text_at(x, y))):
         y -= 3
     yield from click(x, y - gap)
-    yield from pause(0.5)
+    yield from pause()
     yield from find(shows)

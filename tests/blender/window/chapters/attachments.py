@@ -43,9 +43,9 @@ def vertex_group_by_keys(ob):
     yield from click(region().x + region().width // 3, region().y + region().height // 2)
     for _ in range(2):
         press("NUMPAD_PLUS", ctrl=True)
-        yield from pause(0.2)
+        yield from pause()
     press("G", ctrl=True)
-    yield from pause(0.4)
+    yield from pause()
     yield from keys("RET")
     yield from until(lambda: len(ob.vertex_groups) == 1, "the vertex group")
     yield from keys("TAB")

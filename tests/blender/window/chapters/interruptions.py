@@ -14,7 +14,7 @@ def session():
     yield from open_tab()
     yield from show_panels("Reshape")
     # Long enough to be interrupted on any machine.
-    ob.moulage.tet_count, ob.moulage.max_iterations = 60000, 100
+    ob.moulage.tet_count, ob.moulage.max_iterations = 15000, 100
     bpy.ops.ed.undo_push(message="before the interruptions")
     yield from stop_by_button()
     yield from delete_template()
@@ -50,6 +50,6 @@ def disable():
     yield from until(lambda: not hasattr(bpy.types.Scene, "moulage"), "the add-on to be gone")
     bpy.ops.preferences.addon_enable(module=module)
     yield from until(lambda: hasattr(bpy.types.Scene, "moulage"), "the add-on to be back")
-    yield from pause(1)
+    yield from pause()
     assert not running() and template() is not None
     yield from picture("enabled_again")

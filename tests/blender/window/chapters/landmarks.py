@@ -56,7 +56,7 @@ def click_pairs():
         assert off < 8, f"the click met the template {off} mm beside the vertex"
         assert min((p - pair.target.location).length for p in marks()) < 1e-3, "the click did not take the marker"
     press("ESC")
-    yield from pause(0.3)
+    yield from pause()
     yield from undo()
     yield from until(lambda: template().moulage.landmarks[1].target is None, "undo of one click")
     yield from redo()
@@ -68,7 +68,7 @@ def mirror_names():
     # The first row of the list is left of the button that removes one.
     x, y = yield from find("moulage.remove_landmark(all=False)", ICON)
     yield from click(x - 90, y - 4, ctrl=True)
-    yield from pause(0.3)
+    yield from pause()
     press("A", ctrl=True)
     yield from type_text("lobe.L")
     press("RET")
@@ -82,7 +82,7 @@ def mirror_names():
     yield from click(*on_screen(mark))
     yield from until(lambda: template().moulage.landmarks[2].target is not None, "the mirrored landmark's place")
     press("ESC")
-    yield from pause(0.3)
+    yield from pause()
 
 
 def place():

@@ -25,7 +25,7 @@ def session():
 
 def stop_by_esc():
     """Esc keeps the best; undo takes it away. The run is long enough to be stopped on any machine."""
-    template().moulage.tet_count, template().moulage.max_iterations = 30000, 0
+    template().moulage.tet_count, template().moulage.max_iterations = 10000, 0
     bpy.ops.ed.undo_push(message="a long run")
     yield from click_button("moulage.reshape")
     yield from until(running, "the run")
@@ -49,7 +49,7 @@ def has_moved():
 
 
 def whole_run():
-    template().moulage.tet_count, template().moulage.max_iterations = 5000, 20
+    template().moulage.tet_count, template().moulage.max_iterations = 2000, 20
     bpy.ops.ed.undo_push(message="a short run")
     yield from click_button("moulage.reshape")
     # It may be over before anyone looks.

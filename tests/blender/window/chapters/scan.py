@@ -113,7 +113,7 @@ def outline():
         for wanted in (False, True):
             yield from click_button(".moulage.show_contour")
             yield from until(lambda: scene().show_contour == wanted, "the switch of the outline")
-            yield from pause(0.5)
+            yield from pause()
             count = yield from green_pixels(Path(folder) / "view.png")
             assert (count > 300) == wanted, f"{count} green pixels with the outline {'on' if wanted else 'off'}"
 

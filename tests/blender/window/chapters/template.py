@@ -31,7 +31,7 @@ def check_and_fix(ob):
     yield from keys("X", "F")
     yield from click(middle[0] + 60, middle[1] + 20)
     press("N", alt=True)
-    yield from pause(0.3)
+    yield from pause()
     yield from keys("F", "TAB")
     yield from until(lambda: ob.mode == "OBJECT", "Object Mode")
     assert len(ob.data.polygons) == faces - 1
@@ -52,8 +52,8 @@ def fill_with_tets():
     yield from show_panels("Reshape")
     yield from open_inner_panel("moulage.reshape", "moulage.tetrahedralize", gap=22)
     # Fewer than usual: the session is about the window.
-    yield from type_into(".moulage.tet_count", "5000")
-    yield from until(lambda: template().moulage.tet_count == 5000, "the number of tets")
+    yield from type_into(".moulage.tet_count", "2000")
+    yield from until(lambda: template().moulage.tet_count == 2000, "the number of tets")
     yield from click_button("moulage.tetrahedralize")
     yield from until(lambda: "mean quality" in template().moulage.tets_text, "the tets")
     yield from picture("tets")
