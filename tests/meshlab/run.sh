@@ -10,21 +10,25 @@ rm -rf "$work"
 mkdir -p "$work" "$sources"
 tests/meshlab/sources.sh "$sources"
 
-for build in 2025.07:double 2023.12:double 2025.07:float; do
-    version=${build%:*} scalar=${build#*:}
-    double=OFF
-    [ "$scalar" = double ] && double=ON
-    # The headers of 2025.07 serve 2023.12 too: what the filter uses has the same layout.
-    cmake -S meshlab_plugin -B "$work/$version-$scalar" -DMESHLAB_SOURCE_DIR="$sources/source" \
-        -DMESHLAB_VERSION="$version" -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR=$double \
+# The headers of 2025.07 serve 2023.12 too: what the filter uses has the same layout.
+build_filter() {
+    local version=$1 scalar=$2 folder=$work/$1-$2
+    cmake -S meshlab_plugin -B "$folder" -DMESHLAB_SOURCE_DIR="$sources/source" -DMESHLAB_VERSION="$version" \
+        -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR="$([ "$scalar" = double ] && echo ON || echo OFF)" \
         -DMOULAGE_LIBRARY="$built/libmoulage.a" >/dev/null
-    cmake --build "$work/$version-$scalar" -j 2
-    plugin=$work/$version-$scalar/libfilter_moulage.so
-    if nm -D --defined-only "$plugin" | grep -E ' mlg_'; then
+    cmake --build "$folder" -j 2
+    if nm -D --defined-only "$folder/libfilter_moulage.so" | grep -E ' mlg_'; then
         echo "the library's functions must stay inside the filter"
         exit 1
     fi
+}
+# Side by side: each of them reads headers and links most of the time, one step after the other.
+building=()
+for build in "2025.07 double" "2023.12 double" "2025.07 float"; do
+    build_filter $build &
+    building+=($!)
 done
+for process in "${building[@]}"; do wait "$process"; done
 
 export QT_QPA_PLATFORM=offscreen
 for wheel in 2025.07:2025.7.post1 2023.12:2023.12.post3; do
