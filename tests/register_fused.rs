@@ -54,7 +54,7 @@ fn follow_a_scan(seed: u64) {
     check(&format!("fused scan {seed}"), &found, &truth, start);
 }
 
-/// The same with the statistics of eight more hands, which spares iterations.
+/// The same with the statistics of eight more hands, which saves iterations.
 fn follow_a_scan_with_statistics(seed: u64) {
     let template = template();
     let others: Vec<Vec<Vec3>> =
