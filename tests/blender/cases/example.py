@@ -17,6 +17,7 @@ from scenes import part, points_of, shape_of
 ITERATIONS = 4
 
 
+@scenes.in_the_newest
 class Liver(unittest.TestCase):
     """The example script, against the command line with the same options on the same coordinates."""
 

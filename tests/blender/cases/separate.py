@@ -56,7 +56,7 @@ class Separate(unittest.TestCase):
         self.bones = bpy.data.collections.new("bones")
         bpy.context.scene.collection.children.link(self.bones)
         self.bones.objects.link(self.box)
-        settings().bones, settings().method, settings().tet_count = self.bones, "lattice", 3000
+        settings().bones, settings().method, settings().tet_count = self.bones, "lattice", 2000
         settings().rings, settings().gap, settings().live = 2, 0.0, True
         select(self.left, self.right, self.far, self.box)
 
