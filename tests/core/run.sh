@@ -3,6 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo fmt --all --check
-tests/build.sh --all-targets
+tests/cargo.sh build --all-targets
 tests/cargo.sh test
 tests/cargo.sh test -p moulage-header

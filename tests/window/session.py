@@ -1,7 +1,7 @@
 """A session in a real window, by clicks and keys: chapters/, one after the other. Writes screenshots.
 
     blender --factory-startup --enable-event-simulate --window-geometry 0 0 1400 1000 \
-        --python tests/window/session.py -- DIST SCREENSHOTS [CHAPTER...]
+        --python tests/blender/window/session.py -- DIST SCREENSHOTS [CHAPTER...]
 
 A chapter that is run alone makes what the chapters before would have left.
 """
@@ -16,7 +16,7 @@ from pathlib import Path
 import bpy
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "blender")]
+sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import run  # noqa: E402
 

@@ -8,7 +8,7 @@ from events import has_result, in_view, part, scene, template
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-LIVER, HAND = (Path(__file__).resolve().parents[2] / "examples" / name for name in ("liver", "hand"))
+LIVER, HAND = (Path(__file__).resolve().parents[3] / "examples" / name for name in ("liver", "hand"))
 
 
 def load_liver():
