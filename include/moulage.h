@@ -5,9 +5,11 @@
  * caller's MlgError, which may be NULL. Handles come from _new, _load, _run or _start and are freed
  * once by _free. A handle is a ticket, not an address: one that was freed, or is of another type, is
  * refused with MLG_STATUS_INVALID_ARGUMENT.
- * Arrays given are copied; arrays returned are borrowed until their handle is freed. Points are
- * packed x, y, z. Strings and paths are UTF-8.
- * Functions may be called from any thread; the library has no thread of its own but for runs.
+ * Arrays given are copied; arrays returned are borrowed until their handle is freed: NULL and a count
+ * of 0 for what is not there. Points are packed x, y, z. Strings and paths are UTF-8. A file is
+ * written beside its place and renamed; its folder must exist.
+ * Functions may be called from any thread. The library has threads of its own: one per run, and those
+ * that compute, which stay. So a child made by fork() without exec must not call it.
  *
  * Made from src/capi by cbindgen; do not edit.
  */
@@ -307,7 +309,8 @@ typedef struct {
    */
   uint32_t iteration;
   /**
-   * Share of the work done, 0 to 1, never falling.
+   * Share of the work done, 0 to 1, never falling; 1 once it has ended with a result and was not
+   * cancelled.
    */
   double fraction;
   /**
@@ -419,7 +422,7 @@ typedef struct {
    */
   double attachment_tolerance;
   /**
-   * Weight of the smoothness of the plastic strain, without unit.
+   * Weight of the smoothness of the plastic strain, without unit. Default: 0.08.
    */
   double smoothness;
   /**
@@ -428,7 +431,7 @@ typedef struct {
    */
   double screening;
   /**
-   * Poisson's ratio of the tissue, above 0 and below 0.5.
+   * Poisson's ratio of the tissue, above 0 and below 0.5. Default: 0.3.
    */
   double poisson;
   /**
@@ -436,11 +439,11 @@ typedef struct {
    */
   uint32_t hard_attachments;
   /**
-   * Gauss-Newton iterations allowed.
+   * Gauss-Newton iterations allowed. Default: 80; 0 stands for it, too.
    */
   uint32_t max_iterations;
   /**
-   * Threads to use; 0 (default): all. The result does not depend on it.
+   * Threads to use, up to 1024; 0 (default): all. The result does not depend on it.
    */
   uint32_t thread_count;
   /**
@@ -696,19 +699,19 @@ typedef struct {
    */
   size_t struct_size;
   /**
-   * Millimetres between slices.
+   * Millimetres between slices. Default: 9.
    */
   double every;
   /**
-   * Millimetres between markers along an outline.
+   * Millimetres between markers along an outline. Default: 8.
    */
   double spacing;
   /**
-   * Standard deviation of a hand's error, mm; 0 for none.
+   * Standard deviation of a hand's error, mm. Default: 0, none.
    */
   double jitter;
   /**
-   * Another number gives other errors.
+   * Another number gives other errors. Default: 1.
    */
   uint64_t seed;
 } MlgClicks;

@@ -42,6 +42,34 @@ template <class T> struct View {
     const T &operator[](std::size_t i) const { return data[i]; }
 };
 
+/** A list as the functions below take it. */
+template <class T> View<T> view_of(const std::vector<T> &list) { return {list.data(), list.size()}; }
+
+/** The number of rows of `width` numbers in a flat list; throws when the last one is not whole. */
+template <class T> std::size_t rows(View<T> list, std::size_t width, const char *name) {
+    if (list.size % width != 0)
+        throw Error(MLG_STATUS_INVALID_ARGUMENT,
+                    (std::string(name) + ": " + std::to_string(list.size) + " numbers, but " +
+                     std::to_string(width) + " of them belong together")
+                        .c_str());
+    return list.size / width;
+}
+
+/** Throws unless there are as many of the one as of the other. */
+inline void check_same(std::size_t count, const char *name, std::size_t wanted, const char *of) {
+    if (count != wanted)
+        throw Error(MLG_STATUS_INVALID_ARGUMENT,
+                    (std::to_string(count) + " " + name + " for " + std::to_string(wanted) + " " + of)
+                        .c_str());
+}
+
+/** Weights for a call; NULL, that is 1 throughout, when they are left out. */
+inline const double *weights_for(View<double> weights, std::size_t count) {
+    if (weights.size == 0) return nullptr;
+    check_same(weights.size, "weights", count, "points");
+    return weights.data;
+}
+
 /** Owns a handle; move-only. */
 template <class Handle, void (*Free)(Handle *)> class Owner {
 public:
@@ -88,39 +116,42 @@ private:
 class TriMesh : public Owner<MlgTriMesh, mlg_tri_mesh_free> {
 public:
     TriMesh(const std::vector<double> &points, const std::vector<std::uint32_t> &triangles)
-        : Owner(make(mlg_tri_mesh_new, points.data(), points.size() / 3, triangles.data(),
-                     triangles.size() / 3)) {}
+        : Owner(make(mlg_tri_mesh_new, points.data(), rows(view_of(points), 3, "points"),
+                     triangles.data(), rows(view_of(triangles), 3, "triangles"))) {}
     explicit TriMesh(const std::string &path) : Owner(make(mlg_tri_mesh_load, path.c_str())) {}
-    View<double> points() const { return view(mlg_tri_mesh_points, 3); }
-    View<std::uint32_t> triangles() const { return view(mlg_tri_mesh_triangles, 3); }
+    View<double> points() const && = delete;
+    View<double> points() const & { return view(mlg_tri_mesh_points, 3); }
+    View<std::uint32_t> triangles() const && = delete;
+    View<std::uint32_t> triangles() const & { return view(mlg_tri_mesh_triangles, 3); }
     /** Distance of each vertex to the nearest of some points. */
     std::vector<double> distances_to(View<double> to) const {
         std::vector<double> distances(points().size / 3);
-        call(mlg_tri_mesh_distances_to_points, as_const(), to.data, to.size / 3, distances.data());
+        call(mlg_tri_mesh_distances_to_points, as_const(), to.data, rows(to, 3, "points"),
+             distances.data());
         return distances;
     }
     /** Distance of each of some points to the surface. */
     std::vector<double> distances_of(View<double> of) const {
-        std::vector<double> distances(of.size / 3);
-        call(mlg_tri_mesh_distances_of_points, as_const(), of.data, of.size / 3, distances.data());
+        std::vector<double> distances(rows(of, 3, "points"));
+        call(mlg_tri_mesh_distances_of_points, as_const(), of.data, distances.size(), distances.data());
         return distances;
     }
     /** Where the template has to go so that the markers lie on it: a 4x4 matrix, row by row. Landmarks
      * and their targets may be left out. */
     std::vector<double> align(std::uint32_t freedom, View<double> markers,
                               View<double> landmarks = {}, View<double> targets = {}) const {
-        if (landmarks.size != targets.size)
-            throw Error(MLG_STATUS_INVALID_ARGUMENT, "as many targets as landmarks are needed");
+        const std::size_t count = rows(landmarks, 3, "landmarks");
+        check_same(rows(targets, 3, "targets"), "targets", count, "landmarks");
         std::vector<double> matrix(16);
-        call(mlg_tri_mesh_align, as_const(), freedom, markers.data, markers.size / 3, landmarks.data,
-             targets.data, landmarks.size / 3, matrix.data());
+        call(mlg_tri_mesh_align, as_const(), freedom, markers.data, rows(markers, 3, "markers"),
+             landmarks.data, targets.data, count, matrix.data());
         return matrix;
     }
     /** What is wrong with the surface, one sentence per line; empty for a clean, closed one. */
     std::string check() const { return text(mlg_tri_mesh_check, as_const()); }
     /** Writes the surface with moved points, or its own when none are given. */
     void save(const std::string &path, View<double> points = {}) const {
-        call(mlg_tri_mesh_save, get(), points.data, points.size / 3, path.c_str());
+        call(mlg_tri_mesh_save, get(), points.data, rows(points, 3, "points"), path.c_str());
     }
 };
 
@@ -128,21 +159,27 @@ public:
 class TetMesh : public Owner<MlgTetMesh, mlg_tet_mesh_free> {
 public:
     TetMesh(View<double> points, View<std::uint32_t> tets)
-        : Owner(make(mlg_tet_mesh_new, points.data, points.size / 3, tets.data, tets.size / 4)) {}
+        : Owner(make(mlg_tet_mesh_new, points.data, rows(points, 3, "points"), tets.data,
+                     rows(tets, 4, "tets"))) {}
     explicit TetMesh(const std::string &path) : Owner(make(mlg_tet_mesh_load, path.c_str())) {}
-    View<double> points() const { return view(mlg_tet_mesh_points, 3); }
-    View<std::uint32_t> tets() const { return view(mlg_tet_mesh_tets, 4); }
+    View<double> points() const && = delete;
+    View<double> points() const & { return view(mlg_tet_mesh_points, 3); }
+    View<std::uint32_t> tets() const && = delete;
+    View<std::uint32_t> tets() const & { return view(mlg_tet_mesh_tets, 4); }
     void save(const std::string &path) const { call(mlg_tet_mesh_save, as_const(), path.c_str()); }
 };
 
 class Markers : public Owner<MlgMarkers, mlg_markers_free> {
 public:
     explicit Markers(const std::vector<double> &points, const std::vector<double> &weights = {})
-        : Owner(make(mlg_markers_new, points.data(), weights.empty() ? nullptr : weights.data(),
-                     nullptr, points.size() / 3)) {}
+        : Owner(make(mlg_markers_new, points.data(),
+                     weights_for(view_of(weights), rows(view_of(points), 3, "points")), nullptr,
+                     points.size() / 3)) {}
     explicit Markers(const std::string &path) : Owner(make(mlg_markers_load, path.c_str())) {}
-    View<double> points() const { return view(mlg_markers_points, 3); }
-    View<double> weights() const { return view(mlg_markers_weights, 1); }
+    View<double> points() const && = delete;
+    View<double> points() const & { return view(mlg_markers_points, 3); }
+    View<double> weights() const && = delete;
+    View<double> weights() const & { return view(mlg_markers_weights, 1); }
     void save(const std::string &path) const { call(mlg_markers_save, as_const(), path.c_str()); }
 };
 
@@ -164,8 +201,10 @@ public:
         return Pairs(make(mlg_pairs_from_bone, surface.as_const(), bone.as_const(),
                           person_bone.as_const(), distance));
     }
-    View<double> template_points() const { return view(mlg_pairs_template_points, 3); }
-    View<double> targets() const { return view(mlg_pairs_targets, 3); }
+    View<double> template_points() const && = delete;
+    View<double> template_points() const & { return view(mlg_pairs_template_points, 3); }
+    View<double> targets() const && = delete;
+    View<double> targets() const & { return view(mlg_pairs_targets, 3); }
 
 private:
     using Owner::Owner;
@@ -184,8 +223,10 @@ public:
         const TriMesh &surface,
         const MlgTetrahedralizationOptions &options = tetrahedralization_options())
         : Owner(make(mlg_tetrahedralization_run, surface.as_const(), &options)) {}
-    View<double> points() const { return view(mlg_tetrahedralization_points, 3); }
-    View<std::uint32_t> tets() const { return view(mlg_tetrahedralization_tets, 4); }
+    View<double> points() const && = delete;
+    View<double> points() const & { return view(mlg_tetrahedralization_points, 3); }
+    View<std::uint32_t> tets() const && = delete;
+    View<std::uint32_t> tets() const & { return view(mlg_tetrahedralization_tets, 4); }
     MlgTetQuality quality() const {
         MlgTetQuality quality = {};
         quality.struct_size = sizeof quality;
@@ -203,11 +244,16 @@ public:
 class ReshapingResult : public Owner<MlgReshapingResult, mlg_reshaping_result_free> {
 public:
     using Owner::Owner;
-    View<double> points() const { return view(mlg_reshaping_result_points, 3); }
-    View<double> tet_points() const { return view(mlg_reshaping_result_tet_points, 3); }
-    View<double> marker_distances() const { return view(mlg_reshaping_result_marker_distances, 1); }
-    View<double> max_stretches() const { return view(mlg_reshaping_result_max_stretches, 1); }
-    View<double> min_stretches() const { return view(mlg_reshaping_result_min_stretches, 1); }
+    View<double> points() const && = delete;
+    View<double> points() const & { return view(mlg_reshaping_result_points, 3); }
+    View<double> tet_points() const && = delete;
+    View<double> tet_points() const & { return view(mlg_reshaping_result_tet_points, 3); }
+    View<double> marker_distances() const && = delete;
+    View<double> marker_distances() const & { return view(mlg_reshaping_result_marker_distances, 1); }
+    View<double> max_stretches() const && = delete;
+    View<double> max_stretches() const & { return view(mlg_reshaping_result_max_stretches, 1); }
+    View<double> min_stretches() const && = delete;
+    View<double> min_stretches() const & { return view(mlg_reshaping_result_min_stretches, 1); }
     MlgReshapingSummary summary() const {
         MlgReshapingSummary summary = {};
         summary.struct_size = sizeof summary;
@@ -216,7 +262,8 @@ public:
     }
     /** Moves other points with the template. */
     std::vector<double> carry(std::vector<double> points) const {
-        call(mlg_reshaping_result_carry, get(), points.data(), points.size() / 3, points.data());
+        call(mlg_reshaping_result_carry, get(), points.data(), rows(view_of(points), 3, "points"),
+             points.data());
         return points;
     }
 };
@@ -234,17 +281,20 @@ public:
         const char *name = mlg_skeleton_bone_name(get(), bone);
         return name == nullptr ? "" : name;
     }
-    View<double> bone_points(std::size_t bone) const {
+    View<double> bone_points(std::size_t bone) const && = delete;
+    View<double> bone_points(std::size_t bone) const & {
         std::size_t count = 0;
         const double *data = mlg_skeleton_bone_points(get(), bone, &count);
         return {data, 3 * count};
     }
-    View<std::uint32_t> bone_triangles(std::size_t bone) const {
+    View<std::uint32_t> bone_triangles(std::size_t bone) const && = delete;
+    View<std::uint32_t> bone_triangles(std::size_t bone) const & {
         std::size_t count = 0;
         const std::uint32_t *data = mlg_skeleton_bone_triangles(get(), bone, &count);
         return {data, 3 * count};
     }
-    View<double> points() const { return view(mlg_skeleton_points, 3); }
+    View<double> points() const && = delete;
+    View<double> points() const & { return view(mlg_skeleton_points, 3); }
     MlgJoint joint(std::size_t number) const {
         MlgJoint joint = {};
         joint.struct_size = sizeof joint;
@@ -261,9 +311,11 @@ public:
            const std::vector<const char *> &flipped = {})
         : Owner(make(mlg_motion_load, skeleton.as_const(), path.c_str(), flipped.data(),
                      flipped.size())) {}
-    View<double> times() const { return view(mlg_motion_times, 1); }
+    View<double> times() const && = delete;
+    View<double> times() const & { return view(mlg_motion_times, 1); }
     /** One frame after the other. */
-    View<double> angles() const { return view(mlg_motion_angles, 1); }
+    View<double> angles() const && = delete;
+    View<double> angles() const & { return view(mlg_motion_angles, 1); }
     std::string notes() const { return mlg_motion_notes(get()); }
     void save(const std::string &path) const { call(mlg_motion_save, as_const(), path.c_str()); }
 };
@@ -279,8 +331,10 @@ public:
             make(mlg_shape_model_fit, skeleton.as_const(), samples.data(), samples.size()));
     }
     void save(const std::string &path) const { call(mlg_shape_model_save, as_const(), path.c_str()); }
-    View<double> deviations() const { return view(mlg_shape_model_deviations, 1); }
-    View<double> explained() const { return view(mlg_shape_model_explained, 1); }
+    View<double> deviations() const && = delete;
+    View<double> deviations() const & { return view(mlg_shape_model_deviations, 1); }
+    View<double> explained() const && = delete;
+    View<double> explained() const & { return view(mlg_shape_model_explained, 1); }
     /** The shape at some coefficients, in standard deviations. */
     Skeleton shape(const std::vector<double> &coefficients = {}) const {
         return Skeleton(make<MlgSkeleton>(mlg_shape_model_shape, as_const(), coefficients.data(),
@@ -311,7 +365,8 @@ public:
         return fit;
     }
     /** Of the shape model, in standard deviations; empty without one. */
-    View<double> coefficients() const { return view(mlg_registration_result_coefficients, 1); }
+    View<double> coefficients() const && = delete;
+    View<double> coefficients() const & { return view(mlg_registration_result_coefficients, 1); }
     /** Moves a soft tissue surface with the bones. */
     std::vector<double> carry(const TriMesh &tissue) const {
         std::vector<double> points(tissue.points().size);
@@ -327,12 +382,14 @@ class SeparationResult : public Owner<MlgSeparationResult, mlg_separation_result
 public:
     using Owner::Owner;
     /** The surface of a body. */
-    View<double> points(std::size_t body) const {
+    View<double> points(std::size_t body) const && = delete;
+    View<double> points(std::size_t body) const & {
         std::size_t count = 0;
         const double *data = mlg_separation_result_points(get(), body, &count);
         return {data, 3 * count};
     }
-    View<double> tet_points(std::size_t body) const {
+    View<double> tet_points(std::size_t body) const && = delete;
+    View<double> tet_points(std::size_t body) const & {
         std::size_t count = 0;
         const double *data = mlg_separation_result_tet_points(get(), body, &count);
         return {data, 3 * count};
@@ -414,18 +471,14 @@ public:
     explicit Reshaping(const Tetrahedralization &tets)
         : Owner(make(mlg_reshaping_new, static_cast<const MlgTetrahedralization *>(tets.get()))) {}
     void set_markers(View<double> points, View<double> weights = {}) {
-        check_size(weights, points.size / 3);
-        call(mlg_reshaping_set_markers, get(), points.data, weights.data, points.size / 3);
+        const std::size_t count = rows(points, 3, "points");
+        call(mlg_reshaping_set_markers, get(), points.data, weights_for(weights, count), count);
     }
     void set_landmarks(View<double> places, View<double> targets, View<double> weights = {}) {
-        check_size(targets, places.size, weights);
-        call(mlg_reshaping_set_landmarks, get(), places.data, targets.data, weights.data,
-             places.size / 3);
+        set_pairs(mlg_reshaping_set_landmarks, places, targets, weights);
     }
     void set_attachments(View<double> places, View<double> targets, View<double> weights = {}) {
-        check_size(targets, places.size, weights);
-        call(mlg_reshaping_set_attachments, get(), places.data, targets.data, weights.data,
-             places.size / 3);
+        set_pairs(mlg_reshaping_set_attachments, places, targets, weights);
     }
     void set_landmarks(const Pairs &pairs) {
         call(mlg_reshaping_set_landmark_pairs, get(), pairs.as_const());
@@ -455,14 +508,11 @@ public:
     }
 
 private:
-    static void check_size(View<double> weights, std::size_t count) {
-        if (weights.data != nullptr && weights.size != count)
-            throw Error(MLG_STATUS_INVALID_ARGUMENT, "as many weights as points are needed");
-    }
-    static void check_size(View<double> targets, std::size_t size, View<double> weights) {
-        if (targets.size != size)
-            throw Error(MLG_STATUS_INVALID_ARGUMENT, "as many targets as places are needed");
-        check_size(weights, size / 3);
+    template <class Function>
+    void set_pairs(Function function, View<double> places, View<double> targets, View<double> weights) {
+        const std::size_t count = rows(places, 3, "places");
+        check_same(rows(targets, 3, "targets"), "targets", count, "places");
+        call(function, get(), places.data, targets.data, weights_for(weights, count), count);
     }
 };
 
@@ -523,7 +573,7 @@ public:
         call(mlg_separation_add_obstacle, get(), name.c_str(), surface.as_const());
     }
     void set_markers(std::size_t body, View<double> points) {
-        call(mlg_separation_set_markers, get(), body, points.data, points.size / 3);
+        call(mlg_separation_set_markers, get(), body, points.data, rows(points, 3, "points"));
     }
     Run start(const MlgSeparationOptions &options = separation_options()) const {
         MlgRun *run = nullptr;
@@ -534,9 +584,6 @@ public:
         return start(options).wait_separation();
     }
 };
-
-/** A list as the functions above take it. */
-template <class T> View<T> view_of(const std::vector<T> &list) { return {list.data(), list.size()}; }
 
 /** Throws if the library that was loaded does not fit this header. */
 inline void check_version() {

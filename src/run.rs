@@ -49,8 +49,12 @@ impl Default for Run {
 impl Run {
     /// A run that nobody has cancelled yet; its clock starts here.
     pub fn new() -> Self {
-        let progress =
-            Progress { mean_error: f64::NAN, max_error: f64::NAN, ..Progress::default() };
+        let progress = Progress {
+            stage: "starting".into(),
+            mean_error: f64::NAN,
+            max_error: f64::NAN,
+            ..Progress::default()
+        };
         Self {
             shared: Arc::new(Shared {
                 cancelled: AtomicBool::new(false),

@@ -1,6 +1,7 @@
 """What include/moulage.h declares, for ctypes: constants, structs, functions. tests/python compares the two."""
 
 import ctypes
+import operator
 from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 
 ABI_VERSION = 1
@@ -14,6 +15,23 @@ RUN_ENDED = 1
 CANCELLED = 1
 
 
+_WHOLE = (c_uint32, c_uint64, c_size_t)
+
+
+def whole(kind, value, name=""):
+    """A whole number as its C type holds it. ctypes alone would take another number in its place: -1 is 4294967295."""
+    largest = 2 ** (8 * ctypes.sizeof(kind)) - 1
+    number = operator.index(value)
+    if not 0 <= number <= largest:
+        raise ValueError(f"{name and name + ': '}{number} where a whole number from 0 to {largest} is needed")
+    return number
+
+
+def checked(kinds, arguments):
+    """The arguments of a call, whole numbers checked."""
+    return [whole(kind, value) if kind in _WHOLE else value for kind, value in zip(kinds, arguments)]
+
+
 class MlgError(Structure):
     _fields_ = [("status", c_uint32), ("message", c_char * 512)]
 
@@ -24,6 +42,10 @@ class Versioned(Structure):
     def __init__(self):
         super().__init__()
         self.struct_size = ctypes.sizeof(self)
+
+    def __setattr__(self, name, value):
+        kind = dict(self._fields_).get(name)
+        super().__setattr__(name, whole(kind, value, name) if kind in _WHOLE else value)
 
     def fields(self):
         """The values by name, without the size."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy
 
-from .interface import ABI_VERSION, CALLS, GETTERS, MlgError, MlgSlicePlane
+from .interface import ABI_VERSION, CALLS, GETTERS, MlgError, MlgSlicePlane, checked
 
 
 class LibraryError(ImportError):
@@ -44,11 +44,28 @@ def library_path():
 
 _loaded = None
 _loading = threading.Lock()
+# Whether this is a child, by fork alone, of a process that had the library loaded: its threads are not here, whoever
+# waits for them waits for ever.
+forked = False
+
+
+def _in_forked_child():
+    global forked, _loading
+    forked, _loading = _loaded is not None, threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_in_forked_child)
 
 
 def library():
     """The library, loaded and checked once; LibraryError says what is wrong with it."""
     global _loaded
+    if forked:
+        raise LibraryError(
+            "This process was forked from one that had moulage loaded, and the library's threads are not here. Start "
+            "processes by multiprocessing.get_context('spawn')."
+        )
     with _loading:
         if _loaded is None:
             _loaded = _load(library_path())
@@ -97,13 +114,13 @@ def size_of(struct):
 
 def get(name, *arguments):
     """Calls a function that cannot fail."""
-    return getattr(library(), f"mlg_{name}")(*arguments)
+    return getattr(library(), f"mlg_{name}")(*checked(GETTERS[name][1:], arguments))
 
 
 def call(name, *arguments):
     """Calls a function that can fail; raises its sentence."""
     error = MlgError()
-    status = getattr(library(), f"mlg_{name}")(*arguments, byref(error))
+    status = getattr(library(), f"mlg_{name}")(*checked(CALLS[name], arguments), byref(error))
     if status != 0:
         raise Error(status, error.message.decode("utf-8", "replace"))
 
@@ -140,8 +157,8 @@ def array(values, width, kind, name):
         return numpy.zeros((0, *shape), kind)
     if values.ndim == 0 or values.shape[1:] != shape:
         raise ValueError(f"{name}: shape {values.shape} where {('n', *shape)} is needed")
-    if kind == numpy.uint32 and (values.min() < 0 or values.max() > 0xFFFFFFFF):
-        raise ValueError(f"{name}: indices are 0 or more")
+    if kind == numpy.uint32 and ((values % 1 != 0).any() or values.min() < 0 or values.max() > 0xFFFFFFFF):
+        raise ValueError(f"{name}: indices are whole numbers from 0 to {0xFFFFFFFF}")
     return numpy.ascontiguousarray(values, kind)
 
 
@@ -151,10 +168,12 @@ def address(values):
 
 
 def borrowed(name, handle, width, kind, *index):
-    """A copy of an array that a handle lends."""
+    """A copy of an array that a handle lends; of the part with a number, if one is given."""
     count = c_size_t()
     values = get(name, handle, *index, byref(count))
     shape = (width,) if width > 1 else ()
+    if index and not values:
+        raise IndexError(f"there is no number {index[0]}; they are counted from 0")
     if not values or count.value == 0:
         return numpy.zeros((0, *shape), kind)
     return numpy.ctypeslib.as_array(values, (count.value, *shape)).astype(kind)

@@ -23,8 +23,12 @@ class Handle:
 
     def __del__(self):
         handle, self._handle = getattr(self, "_handle", None), None
-        if handle and native is not None:
+        if handle and native is not None and not native.forked:
             native.get(f"{self.kind}_free", handle)
+
+    def __reduce_ex__(self, _protocol):
+        # The copy would free what this still has; in another process its number means something else or nothing.
+        raise TypeError(f"a {type(self).__name__} cannot be copied or pickled: pass its arrays, or a file it is saved to")
 
 
 class TriMesh(Handle):

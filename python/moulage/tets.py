@@ -15,7 +15,8 @@ Progress.__doc__ = """Where a run stands; lengths in the template's unit, NaN wh
 
 
 class Run(Handle):
-    """A computation under way on a thread of the library; when it is garbage it is cancelled."""
+    """A computation under way on a thread of the library; when it is garbage, or its `with` block is left, it is
+    cancelled."""
 
     kind = "run"
 
@@ -38,20 +39,34 @@ class Run(Handle):
         return native.preview(self._handle)
 
     def wait(self):
-        """Waits for the end and hands the result over, once."""
+        """Waits for the end and hands the result over, once. Ctrl-C cancels the run."""
+        return follow(self)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.cancel()
+
+    def _hand_over(self):
         return self._result._take(native.make(self._waiting, self._handle))
 
 
 def follow(run, progress=None):
     """Waits for a run and returns its result. `progress(Progress)` is called some times a second; when it
     returns False the run is cancelled."""
-    while True:
-        now = run.poll()
-        if progress is not None and progress(now) is False:
-            run.cancel()
-        if now.ended:
-            return run.wait()
-        time.sleep(0.2 if now.seconds > 1 else 0.01)
+    try:
+        while True:
+            now = run.poll()
+            if progress is not None and progress(now) is False:
+                run.cancel()
+            if now.ended:
+                return run._hand_over()
+            time.sleep(0.2 if now.seconds > 1 else 0.01)
+    except BaseException:
+        # Ctrl-C, or an error of `progress`: nobody waits any more, though the traceback may keep the run alive.
+        run.cancel()
+        raise
 
 
 class Tetrahedralization(Handle):
@@ -61,8 +76,10 @@ class Tetrahedralization(Handle):
 
     def __init__(self, surface, method="auto", tet_count=15000, tetgen=None):
         """`method`: auto, tetgen or lattice. `tetgen`: path of the program TetGen."""
-        options = _tet_options(method, tet_count, tetgen)
-        super().__init__(native.make("tetrahedralization_run", surface._handle, options))
+        # By a run: Ctrl-C reaches it.
+        made = self.start(surface, method, tet_count, tetgen).wait()
+        super().__init__(made._handle)
+        made._handle = None
 
     @classmethod
     def start(cls, surface, method="auto", tet_count=15000, tetgen=None):

@@ -5,7 +5,7 @@ use std::ffi::CStr;
 use libc::c_char;
 use std::path::PathBuf;
 
-use super::boundary::{Failure, Outcome};
+use super::boundary::{Failure, MlgStatus, Outcome};
 use crate::math::Vec3;
 
 /// Borrows `count` elements for the length of the call.
@@ -121,6 +121,23 @@ pub(super) unsafe fn text(pointer: *const c_char, name: &str) -> Outcome<String>
 pub(super) unsafe fn path(pointer: *const c_char, name: &str) -> Outcome<PathBuf> {
     // SAFETY: passed on from the caller.
     unsafe { text(pointer, name) }.map(PathBuf::from)
+}
+
+/// The same for a file that is to be written: in a folder that exists, so that a typing error makes no folders.
+pub(super) unsafe fn new_path(pointer: *const c_char, name: &str) -> Outcome<PathBuf> {
+    // SAFETY: passed on from the caller.
+    let path = unsafe { path(pointer, name)? };
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(Failure {
+            status: MlgStatus::Io,
+            message: format!(
+                "{}: there is no folder {}; make it first",
+                path.display(),
+                folder.display()
+            ),
+        }),
+        _ => Ok(path),
+    }
 }
 
 /// Writes an output; `name` must not be NULL.

@@ -4,7 +4,7 @@ use libc::c_char;
 use std::ffi::CString;
 use std::ptr;
 
-use super::boundary::{MlgError, MlgStatus, guard, guard_or};
+use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent};
 use super::{buffers, handles};
 use crate::io::{self, read_markers, write_markers};
 use crate::math::Vec3;
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn mlg_markers_save(
     guard(error, || {
         let markers = handles::get::<Markers, _>(markers, "markers")?;
         // SAFETY: the caller's promise (see the module).
-        Ok(write_markers(&unsafe { buffers::path(path, "path")? }, &markers.original)?)
+        Ok(write_markers(&unsafe { buffers::new_path(path, "path")? }, &markers.original)?)
     })
 }
 
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn mlg_markers_points(
     markers: *const MlgMarkers,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let markers = handles::get::<Markers, _>(markers, "markers")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&markers.points, out_count) })
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn mlg_markers_weights(
     markers: *const MlgMarkers,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let markers = handles::get::<Markers, _>(markers, "markers")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&markers.weights, out_count) })

@@ -1,9 +1,8 @@
 //! Meshes from arrays and files.
 
 use libc::c_char;
-use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::{buffers, handles};
 use crate::io::{SurfaceFile, read_surface, read_tets, write_surface, write_vtu};
 use crate::mesh::{SurfaceCheck, TetMesh, TriMesh};
@@ -92,7 +91,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_save(
     guard(error, || {
         let surface = handles::get::<Surface, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module).
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         let points = if points.is_null() {
             surface.mesh.points.clone()
         } else {
@@ -123,7 +122,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_points(
     mesh: *const MlgTriMesh,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let surface = handles::get::<Surface, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&surface.mesh.points, out_count) })
@@ -137,7 +136,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_triangles(
     mesh: *const MlgTriMesh,
     out_count: *mut usize,
 ) -> *const u32 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let surface = handles::get::<Surface, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&surface.mesh.triangles, out_count) })
@@ -225,7 +224,7 @@ pub unsafe extern "C" fn mlg_tet_mesh_save(
     guard(error, || {
         let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module).
-        Ok(write_vtu(&unsafe { buffers::path(path, "path")? }, &mesh, &[], &[])?)
+        Ok(write_vtu(&unsafe { buffers::new_path(path, "path")? }, &mesh, &[], &[])?)
     })
 }
 
@@ -236,7 +235,7 @@ pub unsafe extern "C" fn mlg_tet_mesh_points(
     mesh: *const MlgTetMesh,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&mesh.points, out_count) })
@@ -250,7 +249,7 @@ pub unsafe extern "C" fn mlg_tet_mesh_tets(
     mesh: *const MlgTetMesh,
     out_count: *mut usize,
 ) -> *const u32 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&mesh.tets, out_count) })

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::skeleton::{MlgSkeleton, SkeletonObject, c_name};
 use super::skeleton_files::has_extension;
 use super::{buffers, handles};
@@ -140,7 +140,7 @@ pub unsafe extern "C" fn mlg_motion_save(
     guard(error, || {
         let object = handles::get::<MotionObject, _>(motion, "motion")?;
         // SAFETY: the caller's promise (see the module).
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         let skeleton = &object.skeleton.skeleton;
         if has_extension(&path, "glb") {
             let unit = metres_per_unit(object.skeleton.document.units.as_deref());
@@ -163,7 +163,7 @@ pub unsafe extern "C" fn mlg_motion_times(
     motion: *const MlgMotion,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let motion = handles::get::<MotionObject, _>(motion, "motion")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&motion.motion.times, out_count) })
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn mlg_motion_angles(
     motion: *const MlgMotion,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let motion = handles::get::<MotionObject, _>(motion, "motion")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&motion.angles, out_count) })

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use std::path::PathBuf;
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::mesh::{MlgTriMesh, Surface};
 use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{buffers, handles};
@@ -147,7 +147,7 @@ pub unsafe extern "C" fn mlg_pairs_template_points(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&pairs.places, out_count) })
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn mlg_pairs_template_vertices(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const u32 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&pairs.vertices, out_count) })
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn mlg_pairs_targets(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&pairs.targets, out_count) })
@@ -189,7 +189,7 @@ pub unsafe extern "C" fn mlg_pairs_weights(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&pairs.weights, out_count) })

@@ -88,7 +88,8 @@ pub unsafe extern "C" fn mlg_reshaping_check(
 ) -> MlgStatus {
     guard(error, || {
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
-        let markers: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
+        let markers: Vec<Vec3> =
+            problem.markers.iter().filter(|m| m.weight > 0.0).map(|m| m.position).collect();
         let data = Data {
             surface: (&problem.surface, "the template"),
             markers: &markers,

@@ -1,10 +1,9 @@
 //! What a registration gave.
 
 use libc::c_char;
-use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
@@ -214,7 +213,7 @@ pub unsafe extern "C" fn mlg_registration_result_coefficients(
     result: *const MlgRegistrationResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = object(result)?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.registered.coefficients, out_count) })

@@ -34,18 +34,18 @@ pub struct MlgReshapingOptions {
     pub landmark_tolerance: f64,
     /// How far an attachment may be off. 0 (default): `tolerance`.
     pub attachment_tolerance: f64,
-    /// Weight of the smoothness of the plastic strain, without unit.
+    /// Weight of the smoothness of the plastic strain, without unit. Default: 0.08.
     pub smoothness: f64,
     /// Distance over which the strain returns to its mean away from data, as a multiple of the cube
     /// root of the template's volume; INFINITY: never. 0 (default): by how much of it was seen.
     pub screening: f64,
-    /// Poisson's ratio of the tissue, above 0 and below 0.5.
+    /// Poisson's ratio of the tissue, above 0 and below 0.5. Default: 0.3.
     pub poisson: f64,
     /// 1: attachments are met whatever the markers say. 0 (default): they are weighed.
     pub hard_attachments: u32,
-    /// Gauss-Newton iterations allowed.
+    /// Gauss-Newton iterations allowed. Default: 80; 0 stands for it, too.
     pub max_iterations: u32,
-    /// Threads to use; 0 (default): all. The result does not depend on it.
+    /// Threads to use, up to 1024; 0 (default): all. The result does not depend on it.
     pub thread_count: u32,
     /// 1: the published formulation, for comparison. 0 (default): the improved one.
     pub paper: u32,
@@ -114,7 +114,10 @@ pub(super) unsafe fn options_of(given: *const MlgReshapingOptions) -> Outcome<(O
         hard_attachments: given.hard_attachments == 1,
         paper: given.paper == 1,
         reverse_term: given.reverse_term == 1,
-        max_iterations: given.max_iterations as usize,
+        max_iterations: match given.max_iterations {
+            0 => Options::default().max_iterations,
+            given => given as usize,
+        },
     };
     options.check()?;
     Ok((options, given.thread_count as usize))

@@ -1,9 +1,8 @@
 //! What a reshaping gave.
 
 use libc::c_char;
-use std::ptr;
 
-use super::boundary::{MlgError, MlgStatus, guard, guard_or};
+use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::tetrahedralization::MlgTetQuality;
@@ -125,7 +124,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_points(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.reshaped.surface_points, out_count) })
@@ -139,7 +138,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.reshaped.tet_points, out_count) })
@@ -153,7 +152,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_plastic_strains(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.reshaped.plastic_strain, out_count) })
@@ -168,7 +167,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_marker_distances(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.marker_distances, out_count) })
@@ -183,7 +182,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_max_stretches(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.stretches.0, out_count) })
@@ -197,7 +196,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_min_stretches(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.stretches.1, out_count) })
@@ -238,7 +237,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_save_tets(
     guard(error, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module).
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         let problem = &result.problem;
         let inside = &problem.inside_fraction;
         Ok(write_deformed_tets(&path, &problem.tets, inside, &result.reshaped)?)

@@ -22,6 +22,9 @@ pub const MLG_RUN_RUNNING: u32 = 0;
 /// Ended; waiting for its result returns at once.
 pub const MLG_RUN_ENDED: u32 = 1;
 
+/// More threads than any machine has cores only take memory and minutes to start.
+const MAX_THREADS: usize = 1024;
+
 /// Bytes of `MlgProgress.stage`, the ending zero included.
 pub const MLG_STAGE_SIZE: usize = 64;
 
@@ -35,7 +38,8 @@ pub struct MlgProgress {
     pub state: u32,
     /// Iterations of the outer loop so far.
     pub iteration: u32,
-    /// Share of the work done, 0 to 1, never falling.
+    /// Share of the work done, 0 to 1, never falling; 1 once it has ended with a result and was not
+    /// cancelled.
     pub fraction: f64,
     /// Latest value of the objective.
     pub energy: f64,
@@ -72,6 +76,7 @@ impl RunObject {
         thread_count: usize,
         compute: impl FnOnce(&Run) -> Outcome<T> + Send + 'static,
     ) -> Outcome<Self> {
+        check_thread_count(thread_count)?;
         let run = Run::new();
         let answer = Arc::new(Mutex::new(None));
         let ended = Arc::new(AtomicBool::new(false));
@@ -79,6 +84,9 @@ impl RunObject {
         let work = move || {
             let done: Outcome<Answer> = catch_unwind(AssertUnwindSafe(|| {
                 let computed = in_pool(thread_count, || compute(&its_run))??;
+                if !its_run.is_cancelled() {
+                    its_run.update(|p| p.fraction = 1.0);
+                }
                 Ok(Box::new(computed) as Answer)
             }))
             .unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
@@ -132,8 +140,18 @@ impl Drop for RunObject {
     }
 }
 
+fn check_thread_count(count: usize) -> Outcome<()> {
+    if count <= MAX_THREADS {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!(
+        "thread_count is {count}; at most {MAX_THREADS} can be asked for, and 0 stands for one per core"
+    )))
+}
+
 /// Runs `work` over so many threads of its own; 0: all cores.
 pub(super) fn in_pool<T: Send>(thread_count: usize, work: impl FnOnce() -> T + Send) -> Outcome<T> {
+    check_thread_count(thread_count)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(thread_count)
         .thread_name(|i| format!("moulage {i}"))

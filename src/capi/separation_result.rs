@@ -1,8 +1,6 @@
 //! What a separation gave.
 
-use std::ptr;
-
-use super::boundary::{MlgError, MlgStatus, guard, guard_or};
+use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent};
 use super::buffers::{self, Versioned};
 use super::handles;
 use crate::job::{MovedBody, OverlapLine, SeparationReport};
@@ -171,7 +169,7 @@ pub unsafe extern "C" fn mlg_separation_result_points(
     body: usize,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<SeparationResult, _>(result, "result")?;
         let points = buffers::entry(&result.separation.surface_points, body, "body")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
@@ -186,7 +184,7 @@ pub unsafe extern "C" fn mlg_separation_result_tet_points(
     body: usize,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let result = handles::get::<SeparationResult, _>(result, "result")?;
         let points = buffers::entry(&result.separation.tet_points, body, "body")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.

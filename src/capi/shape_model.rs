@@ -1,10 +1,9 @@
 //! Shape statistics of a skeleton's bones.
 
 use libc::c_char;
-use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{buffers, handles};
@@ -147,7 +146,7 @@ pub unsafe extern "C" fn mlg_shape_model_save(
     guard(error, || {
         let model = handles::get::<ModelObject, _>(model, "model")?;
         // SAFETY: the caller's promise (see the module).
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         Ok(write_shape_model(&path, &model.template.skeleton, &model.model)?)
     })
 }
@@ -160,7 +159,7 @@ pub unsafe extern "C" fn mlg_shape_model_deviations(
     model: *const MlgShapeModel,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let model = handles::get::<ModelObject, _>(model, "model")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&model.deviations, out_count) })
@@ -174,7 +173,7 @@ pub unsafe extern "C" fn mlg_shape_model_explained(
     model: *const MlgShapeModel,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let model = handles::get::<ModelObject, _>(model, "model")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&model.explained, out_count) })

@@ -79,7 +79,7 @@ pub unsafe extern "C" fn mlg_skeleton_save(
     guard(error, || {
         let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
         // SAFETY: the caller's promise (see the module).
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         if has_extension(&path, "json") {
             return Ok(save_json(&object, &path)?);
         }
@@ -145,7 +145,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
         // SAFETY: as above.
         let flipped = unsafe { buffers::texts(flipped, flipped_count, "flipped")? };
         // SAFETY: as above.
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         let unit = match unit_in_metres {
             0.0 => metres_per_unit(object.document.units.as_deref()),
             unit if unit > 0.0 && unit.is_finite() => unit,
@@ -182,7 +182,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_osim(
         // SAFETY: the caller's promise (see the module).
         let model_path = unsafe { buffers::path(model_path, "model_path")? };
         // SAFETY: as above.
-        let path = unsafe { buffers::path(path, "path")? };
+        let path = unsafe { buffers::new_path(path, "path")? };
         let notes = write_osim(&model_path, &object.skeleton, &object.document, &path)?;
         // SAFETY: as above.
         unsafe { buffers::write_text(&notes.join("\n"), buffer, capacity, out_length) }

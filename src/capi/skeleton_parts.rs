@@ -4,7 +4,7 @@ use libc::c_char;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::skeleton::{MlgJoint, MlgSkeleton, SkeletonObject, matrix_of};
 use super::{buffers, handles};
 use crate::math::Vec3;
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn mlg_skeleton_bone_points(
     bone: usize,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let object = object(skeleton)?;
         let Some(bone) = object.skeleton.bones.get(bone) else { return Ok(ptr::null()) };
         // SAFETY: the caller's promise (see the module); the list lives in the table.
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn mlg_skeleton_bone_triangles(
     bone: usize,
     out_count: *mut usize,
 ) -> *const u32 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let object = object(skeleton)?;
         let Some(surface) = object.surfaces.get(bone) else { return Ok(ptr::null()) };
         // SAFETY: the caller's promise (see the module); the list lives in the table.
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn mlg_skeleton_points(
     skeleton: *const MlgSkeleton,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let object = object(skeleton)?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&object.skeleton.points, out_count) })
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn mlg_skeleton_angles(
     skeleton: *const MlgSkeleton,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let object = object(skeleton)?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&object.angles, out_count) })

@@ -4,7 +4,7 @@ use std::ffi::{CString, c_char};
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
@@ -253,7 +253,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_points(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let carried = handles::get::<Carried, _>(tets, "tets")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&carried.tets.points, out_count) })
@@ -267,7 +267,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_tets(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const u32 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let carried = handles::get::<Carried, _>(tets, "tets")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&carried.tets.tets, out_count) })
@@ -282,7 +282,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_inside_fractions(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let carried = handles::get::<Carried, _>(tets, "tets")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&carried.inside_fraction, out_count) })

@@ -3,7 +3,7 @@
 use libc::c_char;
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
@@ -295,7 +295,7 @@ pub unsafe extern "C" fn mlg_polylines_points(
     lines: *const MlgPolylines,
     out_count: *mut usize,
 ) -> *const f64 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let lines = handles::get::<Lines, _>(lines, "lines")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&lines.points, out_count) })
@@ -309,7 +309,7 @@ pub unsafe extern "C" fn mlg_polylines_starts(
     lines: *const MlgPolylines,
     out_count: *mut usize,
 ) -> *const usize {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let lines = handles::get::<Lines, _>(lines, "lines")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&lines.starts, out_count) })
@@ -323,7 +323,7 @@ pub unsafe extern "C" fn mlg_polylines_closed(
     lines: *const MlgPolylines,
     out_count: *mut usize,
 ) -> *const u8 {
-    guard_or(ptr::null(), || {
+    lent(out_count, || {
         let lines = handles::get::<Lines, _>(lines, "lines")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&lines.closed, out_count) })

@@ -18,13 +18,13 @@ use crate::volume::{Clicks, View, label_markers, label_surface, outlines};
 pub struct MlgClicks {
     /// `sizeof` this struct in the caller's header.
     pub struct_size: usize,
-    /// Millimetres between slices.
+    /// Millimetres between slices. Default: 9.
     pub every: f64,
-    /// Millimetres between markers along an outline.
+    /// Millimetres between markers along an outline. Default: 8.
     pub spacing: f64,
-    /// Standard deviation of a hand's error, mm; 0 for none.
+    /// Standard deviation of a hand's error, mm. Default: 0, none.
     pub jitter: f64,
-    /// Another number gives other errors.
+    /// Another number gives other errors. Default: 1.
     pub seed: u64,
 }
 

@@ -18,6 +18,8 @@ const UNITS: [(f64, &str); 4] = [
 ];
 /// Markers this share of the diagonal away from the template, on average, are somewhere else.
 const FAR: f64 = 0.5;
+/// Places on the template that lie this share of the diagonal outside its box are not on it.
+const OFF_TEMPLATE: f64 = 0.05;
 /// A frame is mixed up if turning it brings the markers this much nearer.
 const NEARER: f64 = 0.2;
 /// Fewer markers leave most of the shape to the prior.
@@ -36,7 +38,7 @@ const COLLINEAR: f64 = 1e-3;
 pub struct Data<'a> {
     /// The template's surface, and what to call it.
     pub surface: (&'a TriMesh, &'a str),
-    /// Points on the person's surface.
+    /// Points on the person's surface, those of a weight above 0.
     pub markers: &'a [Vec3],
     /// Paired points.
     pub landmarks: &'a [Pair],
@@ -48,7 +50,12 @@ pub struct Data<'a> {
 
 /// Checks the inputs against each other, see [`inspect_data`].
 pub fn inspect(inputs: &Inputs, align: Align) -> Result<Vec<String>> {
-    let markers: Vec<Vec3> = inputs.markers.iter().map(|m| m.position).collect();
+    let markers: Vec<Vec3> = inputs
+        .markers
+        .iter()
+        .filter(|m| m.weight.is_none_or(|w| w > 0.0))
+        .map(|m| m.position)
+        .collect();
     let data = Data {
         surface: (&inputs.surface, &inputs.template_path.display().to_string()),
         markers: &markers,
@@ -77,8 +84,10 @@ pub fn inspect_data(data: &Data, align: Align) -> Result<Vec<String>> {
             data.markers.len()
         ));
     }
-    check_pairs(data.landmarks, "landmarks", surface.diagonal(), &mut warnings)?;
-    check_pairs(data.attachments, "attachments", surface.diagonal(), &mut warnings)?;
+    for (pairs, what) in [(data.landmarks, "landmarks"), (data.attachments, "attachments")] {
+        check_places(surface, pairs, what, &mut warnings)?;
+        check_pairs(pairs, what, surface.diagonal(), &mut warnings)?;
+    }
     check_attachments(data)?;
     Ok(warnings)
 }
@@ -99,12 +108,13 @@ fn surface_warnings(surface: &TriMesh, name: &str) -> Vec<String> {
 }
 
 fn check_amount(data: &Data) -> Result<()> {
-    let counts = [data.markers.len(), data.landmarks.len(), data.attachments.len()];
+    let of_weight = |pairs: &[Pair]| pairs.iter().filter(|p| p.weight > 0.0).count();
+    let counts = [data.markers.len(), of_weight(data.landmarks), of_weight(data.attachments)];
     if counts.iter().sum::<usize>() >= 3 {
         return Ok(());
     }
     Err(Error::invalid(format!(
-        "{} markers, {} landmarks and {} attachments do not determine a shape; give at least three points",
+        "{} markers, {} landmarks and {} attachments do not determine a shape; give at least three points of a weight above 0",
         counts[0], counts[1], counts[2]
     )))
 }
@@ -155,8 +165,35 @@ fn check_place(surface: &TriMesh, markers: &[Vec3], warnings: &mut Vec<String>) 
         )));
     }
     warnings.push(format!(
-        "the markers lie {as_is:.3} from the template in the mean, more than half its size; move the template there first, with align = \"rigid\""
+        "the markers lie {as_is:.3} from the template in the mean, more than half its size; move the template there first, by an alignment"
     ));
+    Ok(())
+}
+
+/// Pairs whose places are not on or in the template: in another frame or unit.
+fn check_places(
+    surface: &TriMesh,
+    pairs: &[Pair],
+    what: &str,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
+    let Some((low, high)) = bounding_box(&surface.points) else { return Ok(()) };
+    let off = |pair: &Pair| (pair.position - pair.position.sup(&low).inf(&high)).norm();
+    let Some(worst) = pairs.iter().max_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
+    let count = pairs.iter().filter(|p| off(p) > OFF_TEMPLATE * surface.diagonal()).count();
+    if count == 0 {
+        return Ok(());
+    }
+    let sentence = format!(
+        "{count} of {} {what} are not on the template, '{}' lies {:.3} outside the box around it; give the place on the template first, then the person's, both in the template's unit",
+        pairs.len(),
+        worst.label,
+        off(worst)
+    );
+    if off(worst) > FAR * surface.diagonal() {
+        return Err(Error::invalid(sentence));
+    }
+    warnings.push(sentence);
     Ok(())
 }
 
@@ -314,6 +351,21 @@ mod tests {
             text.contains("box.obj: 3 edges lie between triangles that face opposite"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn places_off_the_template_are_named() {
+        let at = |x: f64| {
+            move |i: &mut Inputs| i.landmarks.push(pair("tip", [x, 20.0, 30.0], [12.0, 20.0, 30.0]))
+        };
+        assert_eq!(warnings(at(11.0)), "");
+        let text = warnings(at(14.0));
+        assert!(
+            text.starts_with("1 of 1 landmarks are not on the template, 'tip' lies 2.000 outside"),
+            "{text}"
+        );
+        let text = error(at(1e6));
+        assert!(text.contains("'tip' lies 999988.000 outside the box"), "{text}");
     }
 
     #[test]

@@ -92,12 +92,12 @@ impl Problem {
         if self.surface.triangles.is_empty() || self.tets.tets.is_empty() {
             return Err(Error::invalid("the template has no triangles or no tets"));
         }
-        if self.markers.len() + self.landmarks.len() + self.attachments.len() < 3 {
+        let of_weight = |pairs: &[Landmark]| pairs.iter().filter(|p| p.weight > 0.0).count();
+        let markers = self.markers.iter().filter(|m| m.weight > 0.0).count();
+        let (landmarks, attachments) = (of_weight(&self.landmarks), of_weight(&self.attachments));
+        if markers + landmarks + attachments < 3 {
             return Err(Error::invalid(format!(
-                "{} markers, {} landmarks and {} attachments do not determine a shape; give at least three points",
-                self.markers.len(),
-                self.landmarks.len(),
-                self.attachments.len()
+                "{markers} markers, {landmarks} landmarks and {attachments} attachments do not determine a shape; give at least three points of a weight above 0"
             )));
         }
         self.check_numbers()

@@ -33,15 +33,19 @@ static void meshes(void) {
     CHECK(strlen(text) == sizeof text - 1 && count > sizeof text);
     expect(mlg_tri_mesh_check(mesh, NULL, 5, NULL, &error), MLG_STATUS_NULL_ARGUMENT, "buffer");
     expect(mlg_tri_mesh_save(mesh, points, 2, "x.obj", &error), MLG_STATUS_INVALID_ARGUMENT, "2 given");
+    expect(mlg_tri_mesh_save(mesh, NULL, 0, "no_such/folder/x.obj", &error), MLG_STATUS_IO,
+           "no folder no_such/folder");
 
     /* Freed handles, handles of another type and pointers from nowhere. */
-    CHECK(mlg_tet_mesh_points((const MlgTetMesh *)mesh, &count) == NULL);
+    count = 12345;
+    CHECK(mlg_tet_mesh_points((const MlgTetMesh *)mesh, &count) == NULL && count == 0);
     mlg_tet_mesh_free((MlgTetMesh *)mesh);
     CHECK(mlg_tri_mesh_points(mesh, NULL) != NULL);
     mlg_tri_mesh_free(mesh);
     mlg_tri_mesh_free(mesh);
     mlg_tri_mesh_free(NULL);
-    CHECK(mlg_tri_mesh_points(mesh, NULL) == NULL);
+    count = 12345;
+    CHECK(mlg_tri_mesh_points(mesh, &count) == NULL && count == 0);
     expect(mlg_tri_mesh_check(mesh, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT, "freed");
     expect(mlg_tri_mesh_check((const MlgTriMesh *)&error, NULL, 0, NULL, &error),
            MLG_STATUS_INVALID_ARGUMENT, "mesh");
@@ -98,7 +102,8 @@ static void problems(void) {
     MlgReshapingResult *result = NULL;
     MlgRun *run = NULL;
     const uint32_t vertices[] = {0, POINTS};
-    const double weights[] = {1, -1}, infinite[] = {0, 0, INFINITY};
+    const double weights[] = {1, -1}, infinite[] = {0, 0, INFINITY}, none[3 * POINTS] = {0};
+    const double place[] = {1e6, 0, 0}, target[] = {1, 0, 0};
 
     expect(mlg_reshaping_set_markers(problem, infinite, NULL, 1, &error),
            MLG_STATUS_INVALID_ARGUMENT, "point 0");
@@ -118,9 +123,24 @@ static void problems(void) {
     expect(mlg_reshaping_start(problem, &options, &run, &error), MLG_STATUS_INVALID_ARGUMENT,
            "tolerance");
     options.tolerance = 0;
+    options.thread_count = 5000;
+    expect(mlg_reshaping_start(problem, &options, &run, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "thread_count is 5000");
+    options.thread_count = UINT32_MAX;
+    expect(mlg_reshaping_run(problem, &options, &result, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "thread_count is 4294967295");
+    options.thread_count = 0;
     options.reserved = 1;
     expect(mlg_reshaping_run(problem, &options, &result, &error), MLG_STATUS_INVALID_ARGUMENT,
            "reserved");
+    CHECK(mlg_reshaping_check(problem, NULL, 0, NULL, &error) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_set_landmarks(problem, place, target, NULL, 1, &error) == MLG_STATUS_OK);
+    expect(mlg_reshaping_check(problem, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "not on the template");
+    CHECK(mlg_reshaping_set_landmarks(problem, NULL, NULL, NULL, 0, &error) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_set_markers(problem, points, none, POINTS, &error) == MLG_STATUS_OK);
+    expect(mlg_reshaping_check(problem, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT,
+           "weight above 0");
     CHECK(mlg_reshaping_set_markers(problem, NULL, NULL, 0, &error) == MLG_STATUS_OK);
     expect(mlg_reshaping_run(problem, NULL, &result, &error), MLG_STATUS_INVALID_ARGUMENT,
            "at least three");

@@ -1,8 +1,50 @@
-// The C++ owners: errors thrown, handles freed, moves, cancel by leaving the scope.
+// The C++ owners: errors thrown, handles freed, moves, cancel by leaving the scope, no list of a temporary, no list read
+// beyond its end.
 #include "moulage.hpp"
+
+#include <functional>
+#include <type_traits>
 
 extern "C" {
 #include "shapes.h"
+}
+
+// Whether such an object lends its points.
+template <class T, class = void> struct lends : std::false_type {};
+template <class T>
+struct lends<T, std::void_t<decltype(std::declval<T>().points())>> : std::true_type {};
+template <class T> constexpr bool lends_only_while_it_lives = lends<const T &>::value && !lends<T>::value;
+static_assert(lends_only_while_it_lives<moulage::TriMesh> && lends_only_while_it_lives<moulage::TetMesh>);
+static_assert(lends_only_while_it_lives<moulage::Markers> && lends_only_while_it_lives<moulage::Skeleton>);
+static_assert(lends_only_while_it_lives<moulage::Tetrahedralization>);
+static_assert(lends_only_while_it_lives<moulage::ReshapingResult>);
+
+// Lists that do not go together are refused with a sentence, before anything is read.
+static void refused(const char *words, const std::function<void()> &wrong) {
+    try {
+        wrong();
+        CHECK(false);
+    } catch (const moulage::Error &error) {
+        CHECK(error.status() == MLG_STATUS_INVALID_ARGUMENT);
+        CHECK(std::string(error.what()).find(words) != std::string::npos);
+    }
+}
+
+static void lists_that_do_not_go_together(const moulage::TriMesh &mesh, moulage::Reshaping &problem) {
+    using namespace moulage;
+    const std::vector<double> nine(9), ten(10), one(1), three(3);
+    refused("1 weights for 3 points", [&] { Markers(nine, one); });
+    refused("points: 10 numbers", [&] { Markers{ten}; });
+    refused("points: 10 numbers", [&] { TriMesh(ten, {0, 1, 2}); });
+    refused("triangles: 4 numbers", [&] { TriMesh(nine, {0, 1, 2, 0}); });
+    refused("tets: 10 numbers", [&] { TetMesh(mesh.points(), view_of(std::vector<std::uint32_t>(10))); });
+    refused("points: 10 numbers", [&] { mesh.distances_to(view_of(ten)); });
+    refused("points: 10 numbers", [&] { mesh.distances_of(view_of(ten)); });
+    refused("points: 10 numbers", [&] { mesh.save("unwritten.obj", view_of(ten)); });
+    refused("3 targets for 1 landmarks", [&] { mesh.align(MLG_ALIGN_RIGID, {}, view_of(three), view_of(nine)); });
+    refused("1 weights for 3 points", [&] { problem.set_markers(view_of(nine), view_of(one)); });
+    refused("1 targets for 3 places", [&] { problem.set_landmarks(view_of(nine), view_of(three)); });
+    refused("1 weights for 3 points", [&] { problem.set_attachments(view_of(nine), view_of(nine), view_of(one)); });
 }
 
 int main() {
@@ -22,6 +64,7 @@ int main() {
     CHECK(tets.warnings().empty() && tets.tets().size > 4 * 600);
 
     moulage::Reshaping problem(tets);
+    lists_that_do_not_go_together(mesh, problem);
     problem.set_markers(moulage::view_of(markers));
     { const moulage::Run left_alone = problem.start(); }
     const moulage::Run run = problem.start();
@@ -72,18 +115,20 @@ int main() {
     auto close = moulage::registration_options();
     close.align = 0;
     const moulage::RegistrationResult found = registration.run(close);
-    CHECK(found.skeleton().bone_points(0).size == points.size());
+    const moulage::Skeleton person = found.skeleton();
+    CHECK(person.bone_points(0).size == points.size());
     CHECK(found.summary().mean_residual < 0.05 && found.bone_fit(0).seen > 0.5);
-    CHECK(std::fabs(found.carry(mesh)[2] - found.skeleton().points()[2]) < 0.1);
+    CHECK(std::fabs(found.carry(mesh)[2] - person.points()[2]) < 0.1);
 
     // What the two balls have in common: size.
-    const moulage::Skeleton person = found.skeleton();
     const auto model =
         moulage::ShapeModel::fit(skeleton, {skeleton.as_const(), person.as_const()});
     CHECK(model.deviations().size == 1 && model.explained()[0] > 0.999);
-    const double mean = model.shape().bone_points(0)[2], more = model.shape({1}).bone_points(0)[2];
-    CHECK(std::fabs(mean - 1.05) < 0.02 && std::fabs(more - mean) > 0.03);
+    const moulage::Skeleton mean = model.shape(), more = model.shape({1});
+    const double middle = mean.bone_points(0)[2];
+    CHECK(std::fabs(middle - 1.05) < 0.02 && std::fabs(more.bone_points(0)[2] - middle) > 0.03);
     registration.set_shape_model(model);
-    CHECK(registration.run(close).coefficients().size == 1);
+    const moulage::RegistrationResult modelled = registration.run(close);
+    CHECK(modelled.coefficients().size == 1);
     std::puts("raii: good");
 }

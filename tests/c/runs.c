@@ -15,7 +15,7 @@ static MlgProgress poll_run(const MlgRun *run) {
     MlgProgress progress;
     progress.struct_size = sizeof progress;
     CHECK(mlg_run_poll(run, &progress, NULL) == MLG_STATUS_OK);
-    CHECK(progress.fraction >= 0 && progress.fraction <= 1);
+    CHECK(progress.fraction >= 0 && progress.fraction <= 1 && progress.stage[0] != '\0');
     return progress;
 }
 
@@ -81,7 +81,7 @@ static void polling_and_two_at_once(uint32_t tet_count) {
     mlg_reshaping_result_free(result);
     CHECK(mlg_run_wait_reshaping(first, &result, NULL) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(mlg_run_wait_reshaping(second, &result, NULL) == MLG_STATUS_OK);
-    CHECK(poll_run(second).state == MLG_RUN_ENDED);
+    CHECK(poll_run(second).state == MLG_RUN_ENDED && poll_run(second).fraction == 1);
     mlg_reshaping_result_free(result);
     mlg_run_free(first);
     mlg_run_free(second);
@@ -155,6 +155,19 @@ static void cancel_at_every_stage(int times, uint32_t tet_count) {
     mlg_reshaping_free(problem);
 }
 
+/* 0 iterations stand for as many as by default. */
+static void default_iterations(uint32_t tet_count) {
+    double points[3 * POINTS];
+    MlgReshaping *problem = sphere_problem(points, tet_count);
+    MlgReshapingOptions options = default_options();
+    MlgReshapingResult *result = NULL;
+    options.max_iterations = 0;
+    CHECK(mlg_reshaping_run(problem, &options, &result, NULL) == MLG_STATUS_OK);
+    CHECK(summary_of(result).iterations > 0);
+    mlg_reshaping_result_free(result);
+    mlg_reshaping_free(problem);
+}
+
 static void start_cancel_free(int times, uint32_t tet_count) {
     double points[3 * POINTS];
     MlgReshaping *problem = sphere_problem(points, tet_count);
@@ -179,6 +192,7 @@ int main(int argc, char **argv) {
     polling_and_two_at_once(tet_count);
     again_after_a_landmark_moved(tet_count);
     cancel_at_every_stage(quick ? 2 : 20, quick ? 60 : 800);
+    default_iterations(60);
     start_cancel_free(quick ? 5 : 1000, quick ? 60 : 100);
     puts("runs: good");
     return 0;
