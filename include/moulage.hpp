@@ -18,7 +18,7 @@ namespace moulage {
 /** A failed call; what() is the library's sentence. */
 class Error : public std::runtime_error {
 public:
-    Error(MlgStatus status, const char *message) : std::runtime_error(message), status_(status) {}
+    Error(MlgStatus status, const std::string &message) : std::runtime_error(message), status_(status) {}
     MlgStatus status() const noexcept { return status_; }
 
 private:
@@ -49,9 +49,8 @@ template <class T> View<T> view_of(const std::vector<T> &list) { return {list.da
 template <class T> std::size_t rows(View<T> list, std::size_t width, const char *name) {
     if (list.size % width != 0)
         throw Error(MLG_STATUS_INVALID_ARGUMENT,
-                    (std::string(name) + ": " + std::to_string(list.size) + " numbers, but " +
-                     std::to_string(width) + " of them belong together")
-                        .c_str());
+                    std::string(name) + ": " + std::to_string(list.size) + " numbers, but " +
+                        std::to_string(width) + " of them belong together");
     return list.size / width;
 }
 
@@ -59,8 +58,7 @@ template <class T> std::size_t rows(View<T> list, std::size_t width, const char 
 inline void check_same(std::size_t count, const char *name, std::size_t wanted, const char *of) {
     if (count != wanted)
         throw Error(MLG_STATUS_INVALID_ARGUMENT,
-                    (std::to_string(count) + " " + name + " for " + std::to_string(wanted) + " " + of)
-                        .c_str());
+                    std::to_string(count) + " " + name + " for " + std::to_string(wanted) + " " + of);
 }
 
 /** Weights for a call; NULL, that is 1 throughout, when they are left out. */

@@ -1,8 +1,9 @@
 """What include/moulage.h declares, for ctypes: constants, structs, functions. tests/python compares the two."""
 
 import ctypes
-import operator
 from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
+
+from . import whole_numbers
 
 ABI_VERSION = 1
 
@@ -13,23 +14,6 @@ ALIGN = {"rigid": 0, "similarity": 1}
 NO_VERTEX = 0xFFFFFFFF
 RUN_ENDED = 1
 CANCELLED = 1
-
-
-_WHOLE = (c_uint32, c_uint64, c_size_t)
-
-
-def whole(kind, value, name=""):
-    """A whole number as its C type holds it. ctypes alone would take another number in its place: -1 is 4294967295."""
-    largest = 2 ** (8 * ctypes.sizeof(kind)) - 1
-    number = operator.index(value)
-    if not 0 <= number <= largest:
-        raise ValueError(f"{name and name + ': '}{number} where a whole number from 0 to {largest} is needed")
-    return number
-
-
-def checked(kinds, arguments):
-    """The arguments of a call, whole numbers checked."""
-    return [whole(kind, value) if kind in _WHOLE else value for kind, value in zip(kinds, arguments)]
 
 
 class MlgError(Structure):
@@ -45,7 +29,7 @@ class Versioned(Structure):
 
     def __setattr__(self, name, value):
         kind = dict(self._fields_).get(name)
-        super().__setattr__(name, whole(kind, value, name) if kind in _WHOLE else value)
+        super().__setattr__(name, whole_numbers.whole(kind, value, name) if kind in whole_numbers.KINDS else value)
 
     def fields(self):
         """The values by name, without the size."""

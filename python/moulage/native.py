@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy
 
-from .interface import ABI_VERSION, CALLS, GETTERS, MlgError, MlgSlicePlane, checked
+from .interface import ABI_VERSION, CALLS, GETTERS, MlgError, MlgSlicePlane
+from .whole_numbers import checked
 
 
 class LibraryError(ImportError):

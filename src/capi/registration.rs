@@ -8,12 +8,12 @@ use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use super::registration_result::{MlgRegistrationResult, RegistrationResult};
-use super::run::{MlgRun, RunObject, in_pool, wait_for};
+use super::run::{MlgRun, RunObject, wait_for};
 use super::shape_model::{MlgShapeModel, ModelObject};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::volume::MlgVolume;
 use crate::io::VolumeFile;
-use crate::job::read_shape_model;
+use crate::job::{read_shape_model, thread_pool};
 use crate::register::options::Levels;
 use crate::register::{Appearance, Options, Registration, ShapeModel, Target};
 use crate::run::Run;
@@ -340,7 +340,8 @@ pub unsafe extern "C" fn mlg_registration_run(
         problem.check()?;
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options, &problem.template)? };
-        let result = in_pool(thread_count, || problem.compute(options, &Run::new()))??;
+        let result =
+            thread_pool(thread_count)?.install(|| problem.compute(options, &Run::new()))?;
         // SAFETY: as above.
         unsafe { buffers::write(out_result, handles::give(result), "out_result") }
     })

@@ -3,8 +3,9 @@
 use super::boundary::{MlgError, MlgStatus, Outcome, guard};
 use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options_of};
 use super::result::{MlgReshapingResult, ReshapingResult};
-use super::run::{MlgRun, RunObject, in_pool, wait_for};
+use super::run::{MlgRun, RunObject, wait_for};
 use super::{buffers, handles};
+use crate::job::thread_pool;
 use crate::reshape::{Options, Problem, reshape, reshape_again};
 use crate::run::Run;
 
@@ -92,7 +93,8 @@ pub unsafe extern "C" fn mlg_reshaping_run(
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        let result = in_pool(thread_count, || compute(problem, &options, &Run::new()))??;
+        let result =
+            thread_pool(thread_count)?.install(|| compute(problem, &options, &Run::new()))?;
         // SAFETY: as above.
         unsafe { buffers::write(out_result, handles::give(result), "out_result") }
     })

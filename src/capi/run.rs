@@ -12,6 +12,7 @@ use super::boundary::{
 };
 use super::buffers::{self, Versioned};
 use super::handles;
+use crate::job::thread_pool;
 use crate::run::Run;
 
 /// A computation on a thread of its own. May be polled and cancelled from any thread.
@@ -21,9 +22,6 @@ pub struct MlgRun;
 pub const MLG_RUN_RUNNING: u32 = 0;
 /// Ended; waiting for its result returns at once.
 pub const MLG_RUN_ENDED: u32 = 1;
-
-/// More threads than any machine has cores only take memory and minutes to start.
-const MAX_THREADS: usize = 1024;
 
 /// Bytes of `MlgProgress.stage`, the ending zero included.
 pub const MLG_STAGE_SIZE: usize = 64;
@@ -76,14 +74,14 @@ impl RunObject {
         thread_count: usize,
         compute: impl FnOnce(&Run) -> Outcome<T> + Send + 'static,
     ) -> Outcome<Self> {
-        check_thread_count(thread_count)?;
+        let pool = thread_pool(thread_count)?;
         let run = Run::new();
         let answer = Arc::new(Mutex::new(None));
         let ended = Arc::new(AtomicBool::new(false));
         let (its_run, its_answer, its_end) = (run.clone(), Arc::clone(&answer), Arc::clone(&ended));
         let work = move || {
             let done: Outcome<Answer> = catch_unwind(AssertUnwindSafe(|| {
-                let computed = in_pool(thread_count, || compute(&its_run))??;
+                let computed = pool.install(|| compute(&its_run))?;
                 if !its_run.is_cancelled() {
                     its_run.update(|p| p.fraction = 1.0);
                 }
@@ -138,28 +136,6 @@ impl Drop for RunObject {
         self.run.cancel();
         self.join();
     }
-}
-
-fn check_thread_count(count: usize) -> Outcome<()> {
-    if count <= MAX_THREADS {
-        return Ok(());
-    }
-    Err(Failure::invalid(format!(
-        "thread_count is {count}; at most {MAX_THREADS} can be asked for, and 0 stands for one per core"
-    )))
-}
-
-/// Runs `work` over so many threads of its own; 0: all cores.
-pub(super) fn in_pool<T: Send>(thread_count: usize, work: impl FnOnce() -> T + Send) -> Outcome<T> {
-    check_thread_count(thread_count)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(thread_count)
-        .thread_name(|i| format!("moulage {i}"))
-        .build()
-        .map_err(|e| {
-            Failure::invalid(format!("{thread_count} threads could not be started: {e}"))
-        })?;
-    Ok(pool.install(work))
 }
 
 /// The body of every `mlg_run_wait_...`: waits and gives the result a handle of its own.

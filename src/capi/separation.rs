@@ -9,8 +9,9 @@ use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::result::{MlgReshapingResult, ReshapingResult};
-use super::run::{MlgRun, RunObject, in_pool, wait_for};
+use super::run::{MlgRun, RunObject, wait_for};
 use super::separation_result::{MlgSeparationResult, SeparationResult};
+use crate::job::thread_pool;
 use crate::mesh::TetMesh;
 use crate::run::Run;
 use crate::separate::{Body, Obstacle, Options, separate};
@@ -261,7 +262,7 @@ pub unsafe extern "C" fn mlg_separation_run(
         let scene = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        let result = in_pool(thread_count, || scene.compute(&options, &Run::new()))??;
+        let result = thread_pool(thread_count)?.install(|| scene.compute(&options, &Run::new()))?;
         // SAFETY: as above.
         unsafe { buffers::write(out_result, handles::give(result), "out_result") }
     })

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::mesh::{SurfaceCheck, TriMesh, bounding_box};
+use crate::reshape::check_amount;
 
 /// Markers and template whose sizes differ by more than this do not have the same unit.
 const UNIT_RATIO: f64 = 30.0;
@@ -71,7 +72,8 @@ pub fn inspect(inputs: &Inputs, align: Align) -> Result<Vec<String>> {
 pub fn inspect_data(data: &Data, align: Align) -> Result<Vec<String>> {
     let (surface, name) = data.surface;
     let mut warnings = surface_warnings(surface, name);
-    check_amount(data)?;
+    let of_weight = |pairs: &[Pair]| pairs.iter().filter(|p| p.weight > 0.0).count();
+    check_amount(data.markers.len(), of_weight(data.landmarks), of_weight(data.attachments))?;
     if align != Align::Similarity {
         check_units(surface, data.markers)?;
     }
@@ -105,18 +107,6 @@ fn surface_warnings(surface: &TriMesh, name: &str) -> Vec<String> {
         ));
     }
     warnings
-}
-
-fn check_amount(data: &Data) -> Result<()> {
-    let of_weight = |pairs: &[Pair]| pairs.iter().filter(|p| p.weight > 0.0).count();
-    let counts = [data.markers.len(), of_weight(data.landmarks), of_weight(data.attachments)];
-    if counts.iter().sum::<usize>() >= 3 {
-        return Ok(());
-    }
-    Err(Error::invalid(format!(
-        "{} markers, {} landmarks and {} attachments do not determine a shape; give at least three points of a weight above 0",
-        counts[0], counts[1], counts[2]
-    )))
 }
 
 fn diagonal(points: &[Vec3]) -> f64 {

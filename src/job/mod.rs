@@ -81,4 +81,5 @@ pub use separate_job::{
 };
 pub use slice_job::{MarkersJob, SliceJob, run_markers, run_slice};
 pub use spec::{Align, Gap, ReshapeJob};
+pub use threads::thread_pool;
 pub use track_job::{TrackJob, TrackedFrame, run_track};

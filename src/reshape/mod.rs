@@ -26,7 +26,7 @@ pub use again::reshape_again;
 pub use gauss_newton::{Direction, NormalEquations};
 pub use linearization::Linearization;
 pub use options::Options;
-pub use problem::{Landmark, Marker, Problem, TemplatePoint};
+pub use problem::{Landmark, Marker, Problem, TemplatePoint, check_amount};
 pub use rows::{Row, Rows};
 pub use solver::{Reshaped, reshape};
 pub use summary::{IterationRecord, Stop, Summary};

@@ -36,6 +36,16 @@ pub struct Landmark {
     pub weight: f64,
 }
 
+/// Fails if so many points of a weight above 0 do not determine a shape.
+pub fn check_amount(markers: usize, landmarks: usize, attachments: usize) -> Result<()> {
+    if markers + landmarks + attachments >= 3 {
+        return Ok(());
+    }
+    Err(Error::invalid(format!(
+        "{markers} markers, {landmarks} landmarks and {attachments} attachments do not determine a shape; give at least three points of a weight above 0"
+    )))
+}
+
 /// One reshaping problem. All lengths are in the template's unit.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -95,11 +105,7 @@ impl Problem {
         let of_weight = |pairs: &[Landmark]| pairs.iter().filter(|p| p.weight > 0.0).count();
         let markers = self.markers.iter().filter(|m| m.weight > 0.0).count();
         let (landmarks, attachments) = (of_weight(&self.landmarks), of_weight(&self.attachments));
-        if markers + landmarks + attachments < 3 {
-            return Err(Error::invalid(format!(
-                "{markers} markers, {landmarks} landmarks and {attachments} attachments do not determine a shape; give at least three points of a weight above 0"
-            )));
-        }
+        check_amount(markers, landmarks, attachments)?;
         self.check_numbers()
     }
 

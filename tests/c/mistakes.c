@@ -125,10 +125,10 @@ static void problems(void) {
     options.tolerance = 0;
     options.thread_count = 5000;
     expect(mlg_reshaping_start(problem, &options, &run, &error), MLG_STATUS_INVALID_ARGUMENT,
-           "thread_count is 5000");
+           "5000 threads are too many");
     options.thread_count = UINT32_MAX;
     expect(mlg_reshaping_run(problem, &options, &result, &error), MLG_STATUS_INVALID_ARGUMENT,
-           "thread_count is 4294967295");
+           "4294967295 threads are too many");
     options.thread_count = 0;
     options.reserved = 1;
     expect(mlg_reshaping_run(problem, &options, &result, &error), MLG_STATUS_INVALID_ARGUMENT,

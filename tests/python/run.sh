@@ -9,3 +9,4 @@ python3 python/build_wheel.py "$out" "$built"
 python3 -m venv "$out/venv"
 "$out/venv/bin/pip" install --quiet --no-cache-dir "$out"/*.whl
 "$out/venv/bin/python" tests/python/test_package.py
+"$out/venv/bin/python" tests/python/test_edges.py

@@ -4,16 +4,12 @@ arrays.
     python tests/python/test_package.py
 """
 
-import copy
 import math
 import os
-import pickle
 import re
-import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import unittest
 from pathlib import Path
@@ -25,13 +21,6 @@ from moulage import interface, native
 
 ROOT = Path(__file__).resolve().parents[2]
 LIVER = ROOT / "examples" / "liver"
-
-
-def _interrupt_main_when(ready):
-    """Ctrl-C, as the terminal sends it."""
-    while not ready():
-        time.sleep(0.01)
-    os.kill(os.getpid(), signal.SIGINT)
 
 
 def header():
@@ -89,6 +78,14 @@ def cube():
     return points, numpy.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
 
 
+def long_run():
+    """A run on the liver that goes on until it is stopped."""
+    surface = moulage.TriMesh.load(LIVER / "template.obj")
+    problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))
+    problem.set_markers(moulage.Markers.load(LIVER / "markers.csv").points)
+    return problem.start(tolerance=1e-6)
+
+
 class Arrays(unittest.TestCase):
     def setUp(self):
         self.points, self.triangles = cube()
@@ -128,10 +125,7 @@ class Arrays(unittest.TestCase):
             problem.start_again(earlier, landmark_tolerance=0.02).wait()
 
     def test_a_run_can_be_stopped_and_keeps_its_best(self):
-        surface = moulage.TriMesh.load(LIVER / "template.obj")
-        problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))
-        problem.set_markers(moulage.Markers.load(LIVER / "markers.csv").points)
-        run = problem.start(tolerance=1e-6)
+        run = long_run()
         while run.poll().iteration < 1:
             time.sleep(0.01)
         run.cancel()
@@ -154,70 +148,6 @@ class Arrays(unittest.TestCase):
             moulage.TriMesh.load("no-such.obj")
         with self.assertRaisesRegex(moulage.Error, "do not determine a shape"):
             moulage.Reshaping(self.tets).run()
-
-    def test_whole_numbers_do_not_wrap(self):
-        surface = moulage.TriMesh(self.points, self.triangles)
-        for wrong in (-5, 2**32 + 500):
-            with self.assertRaisesRegex(ValueError, f"tet_count: {wrong} where"):
-                moulage.Tetrahedralization(surface, "lattice", wrong)
-        problem = moulage.Reshaping(self.tets)
-        problem.set_landmarks_at_vertices(range(8), self.points)
-        for name in ("max_iterations", "thread_count"):
-            with self.assertRaisesRegex(ValueError, f"{name}: -1 where"):
-                problem.start(**{name: -1})
-        with self.assertRaises(TypeError):
-            problem.start(max_iterations=2.5)
-        with self.assertRaisesRegex(moulage.Error, "thread_count is 5000"):
-            problem.start(thread_count=5000)
-        apart = moulage.Separation()
-        apart.add_body("cube", moulage.TetMesh(self.tets.points, self.tets.tets))
-        with self.assertRaisesRegex(ValueError, "-1 where a whole number"):
-            apart.set_markers(-1, self.points)
-
-    def test_a_handle_is_neither_copied_nor_pickled(self):
-        for wrong in (copy.copy, copy.deepcopy, pickle.dumps):
-            with self.assertRaisesRegex(TypeError, "a Tetrahedralization cannot be copied or pickled"):
-                wrong(self.tets)
-        self.assertGreater(len(self.tets.points), 0)
-
-    @unittest.skipUnless(hasattr(os, "fork"), "this system does not fork")
-    def test_a_forked_child_is_told_so_and_ends(self):
-        child = os.fork()
-        if child == 0:
-            try:
-                moulage.TriMesh(self.points, self.triangles)
-            except moulage.LibraryError as error:
-                os._exit(7 if "spawn" in str(error) else 1)
-            os._exit(2)
-        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
-
-    def test_what_waits_listens_to_ctrl_c_and_ends_its_run(self):
-        surface = moulage.TriMesh.load(LIVER / "template.obj")
-        problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))
-        problem.set_markers(moulage.Markers.load(LIVER / "markers.csv").points)
-        run = problem.start(tolerance=1e-6)
-        interrupt = threading.Thread(target=_interrupt_main_when, args=(lambda: run.poll().iteration > 0,))
-        interrupt.start()
-        with self.assertRaises(KeyboardInterrupt):
-            run.wait()
-        interrupt.join()
-        # Nobody waits, but the result so far is there.
-        self.assertEqual(run.wait().summary["stop"], "cancelled")
-
-    def test_a_with_block_that_is_left_ends_its_run(self):
-        surface = moulage.TriMesh.load(LIVER / "template.obj")
-        problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))
-        problem.set_markers(moulage.Markers.load(LIVER / "markers.csv").points)
-        with self.assertRaisesRegex(RuntimeError, "mine"), problem.start(tolerance=1e-6) as run:
-            raise RuntimeError("mine")
-        while not run.poll().ended:
-            time.sleep(0.01)
-        self.assertLess(run.poll().fraction, 1)
-
-    def test_a_number_that_is_not_there_is_an_index_error(self):
-        bone = moulage.TriMesh(self.points, self.triangles)
-        with self.assertRaisesRegex(IndexError, "no number 3"):
-            moulage.Skeleton([("bone", bone)]).bone_points(3)
 
     def test_labels_and_weights_go_through_a_file(self):
         with tempfile.TemporaryDirectory() as folder:
