@@ -1,6 +1,20 @@
 /**
  * moulage puts a template of an organ, bone or skeleton into one person's shape.
  *
+ * A reshaping, without the checks of its statuses (examples/c/reshape.c has them):
+ *
+ *     MlgError error;
+ *     mlg_tri_mesh_load("liver.obj", &surface, &error);
+ *     mlg_markers_load("clicks.csv", &markers, &error);
+ *     mlg_tetrahedralization_run(surface, NULL, &tets, &error);
+ *     mlg_reshaping_new(tets, &problem, &error);
+ *     points = mlg_markers_points(markers, &count);
+ *     mlg_reshaping_set_markers(problem, points, NULL, count, &error);
+ *     mlg_reshaping_run(problem, NULL, &result, &error);
+ *     points = mlg_reshaping_result_points(result, &count);
+ *     mlg_tri_mesh_save(surface, points, count, "person.obj", &error);
+ *     (and the _free of each)
+ *
  * Functions return a status and write their outputs only on success; details of a failure go to the
  * caller's MlgError, which may be NULL. Handles come from _new, _load, _run or _start and are freed
  * once by _free. A handle is a ticket, not an address: one that was freed, or is of another type, is
@@ -8,18 +22,145 @@
  * Arrays given are copied; arrays returned are borrowed until their handle is freed: NULL and a count
  * of 0 for what is not there. Points are packed x, y, z. Strings and paths are UTF-8. A file is
  * written beside its place and renamed; its folder must exist.
+ * Structs that begin with struct_size may grow at their end: options are set by their _init, others by
+ * `MlgProgress progress = {sizeof progress};`.
  * Functions may be called from any thread. The library has threads of its own: one per run, and those
  * that compute, which stay. So a child made by fork() without exec must not call it.
  *
+ * Sections, in this order:
+ *   Handles: what the functions work on.
+ *   Versions.
+ *   Statuses and errors: what every function does at the border.
+ *   Surfaces and tet meshes, from arrays and files.
+ *   Distances between a surface and points.
+ *   Markers, from arrays and files.
+ *   Runs: started, polled, cancelled, waited for. No callback crosses the border.
+ *   Filling: from a surface to tets that carry it.
+ *   Reshaping: the problem and its options.
+ *   Landmarks and attachments: places on a template and their targets, from files or bones.
+ *   Before a reshaping: where the template is to lie, and what is suspicious.
+ *   Reshaping: started, or run to its end.
+ *   What a reshaping gave.
+ *   What a reshaping gave: how far markers, landmarks and attachments are from it.
+ *   Separation of bodies that overlap: the problem, its options, the run.
+ *   What a separation gave.
+ *   Medical images: slices, and lines on slices.
+ *   Medical images from memory, and their voxels.
+ *   Label maps: which labels there are, their outlines, markers on them, their surfaces.
+ *   Skeletons from arrays: bones and joints.
+ *   What is in a skeleton: names, surfaces, joints, angles.
+ *   Skeleton files, read and written.
+ *   Motions of skeletons: angles of their joints over time.
+ *   Shape statistics of a skeleton's bones.
+ *   Registration of a skeleton: the problem, its options, the run.
+ *   What a registration gave.
+ *
  * Made from src/capi by cbindgen; do not edit.
  */
-
-
 #ifndef MOULAGE_H
 #define MOULAGE_H
 
 #include <stddef.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ================================================================================================
+ * Handles: what the functions work on.
+ * ================================================================================================ */
+
+/**
+ * A tet mesh. Immutable; may be read from many threads.
+ */
+typedef struct MlgTetMesh MlgTetMesh;
+
+/**
+ * A triangle surface. Immutable; may be read from many threads.
+ */
+typedef struct MlgTriMesh MlgTriMesh;
+
+/**
+ * Points that somebody marked. Immutable; may be read from many threads.
+ */
+typedef struct MlgMarkers MlgMarkers;
+
+/**
+ * A computation on a thread of its own. May be polled and cancelled from any thread.
+ */
+typedef struct MlgRun MlgRun;
+
+/**
+ * Tets that carry a surface. Immutable; may be read from many threads.
+ */
+typedef struct MlgTetrahedralization MlgTetrahedralization;
+
+/**
+ * A template and the data it is to follow. May be used by one thread at a time.
+ */
+typedef struct MlgReshaping MlgReshaping;
+
+/**
+ * Places on a template with their targets: landmarks or attachments. Immutable; may be read from
+ * many threads.
+ */
+typedef struct MlgPairs MlgPairs;
+
+/**
+ * A reshaped template. Immutable; may be read from many threads.
+ */
+typedef struct MlgReshapingResult MlgReshapingResult;
+
+/**
+ * Bodies that overlap each other or obstacles. May be used by one thread at a time.
+ */
+typedef struct MlgSeparation MlgSeparation;
+
+/**
+ * Bodies that were pushed apart. Immutable; may be read from many threads.
+ */
+typedef struct MlgSeparationResult MlgSeparationResult;
+
+/**
+ * Lines, each open or closed. Immutable; may be read from many threads.
+ */
+typedef struct MlgPolylines MlgPolylines;
+
+/**
+ * A medical image, or a label map. Immutable; may be read from many threads. World coordinates are
+ * millimetres in RAS: x to the person's right, y to the front, z to the head.
+ */
+typedef struct MlgVolume MlgVolume;
+
+/**
+ * Bones and the joints between them. Immutable; may be read from many threads.
+ */
+typedef struct MlgSkeleton MlgSkeleton;
+
+/**
+ * Named angles over time, and the skeleton that they move. Immutable; may be read from many threads.
+ */
+typedef struct MlgMotion MlgMotion;
+
+/**
+ * Mean shape and modes of all bones of a template. Immutable; may be read from many threads.
+ */
+typedef struct MlgShapeModel MlgShapeModel;
+
+/**
+ * A template skeleton and the surface it is to follow. May be used by one thread at a time.
+ */
+typedef struct MlgRegistration MlgRegistration;
+
+/**
+ * A registered skeleton. Immutable; may be read from many threads.
+ */
+typedef struct MlgRegistrationResult MlgRegistrationResult;
+
+/* ================================================================================================
+ * Versions.
+ * ================================================================================================ */
 
 /**
  * Raised whenever a program built against an older header would break.
@@ -42,64 +183,29 @@
 #define MLG_VERSION_PATCH 0
 
 /**
+ * The library's `MLG_ABI_VERSION`. Compare it with the header's when loading the library at run
+ * time, and refuse to go on if they differ.
+ */
+uint32_t mlg_abi_version(void);
+
+/**
+ * The library's version, e.g. "0.1.0". Static, never NULL.
+ */
+const char *mlg_version_string(void);
+
+/* ================================================================================================
+ * Statuses and errors: what every function does at the border.
+ * ================================================================================================ */
+
+/**
  * Bytes of `MlgError.message`, the ending zero included.
  */
 #define MLG_ERROR_MESSAGE_SIZE 512
 
 /**
- * Still at work.
- */
-#define MLG_RUN_RUNNING 0
-
-/**
- * Ended; waiting for its result returns at once.
- */
-#define MLG_RUN_ENDED 1
-
-/**
- * Bytes of `MlgProgress.stage`, the ending zero included.
- */
-#define MLG_STAGE_SIZE 64
-
-/**
- * TetGen where it is found and can fill the surface, else the lattice.
- */
-#define MLG_TETS_AUTO 0
-
-/**
- * The program TetGen, or an error.
- */
-#define MLG_TETS_TETGEN 1
-
-/**
- * The built-in lattice: takes open, self-intersecting and non-manifold surfaces as well.
- */
-#define MLG_TETS_LATTICE 2
-
-/**
- * (Only as an answer.) The tets were given by the caller.
- */
-#define MLG_TETS_GIVEN 3
-
-/**
- * Vertex of a pair whose place is no vertex of the template.
- */
-#define MLG_NO_VERTEX UINT32_MAX
-
-/**
- * Turn and move only.
- */
-#define MLG_ALIGN_RIGID 0
-
-/**
- * Turn, move and scale.
- */
-#define MLG_ALIGN_SIMILARITY 1
-
-/**
  * How a call ended. Numbers are never reused.
  */
-typedef enum {
+typedef enum MlgStatus {
   /**
    * All went well; outputs are written.
    */
@@ -148,140 +254,9 @@ typedef enum {
 } MlgStatus;
 
 /**
- * Why a separation ended.
- */
-typedef enum {
-  /**
-   * No contact is left.
-   */
-  MLG_ENDING_PARTED = 0,
-  /**
-   * Overlaps no longer shrank; the shapes with the least are the result.
-   */
-  MLG_ENDING_STALLED = 1,
-  /**
-   * It was stopped on request; the shapes with the least overlap so far are the result.
-   */
-  MLG_ENDING_CANCELLED = 2,
-} MlgEnding;
-
-/**
- * Why a reshaping ended. Reaching a limit is no error: the result is there.
- */
-typedef enum {
-  /**
-   * The objective no longer falls by a relevant amount.
-   */
-  MLG_STOP_SETTLED = 0,
-  /**
-   * All markers are within the tolerance.
-   */
-  MLG_STOP_TOLERANCE_MET = 1,
-  /**
-   * No step lowers the objective although it should.
-   */
-  MLG_STOP_NO_STEP = 2,
-  /**
-   * The iterations ran out.
-   */
-  MLG_STOP_ITERATION_LIMIT = 3,
-  /**
-   * The caller asked to stop.
-   */
-  MLG_STOP_CANCELLED = 4,
-} MlgStop;
-
-/**
- * Points that somebody marked. Immutable; may be read from many threads.
- */
-typedef struct MlgMarkers MlgMarkers;
-
-/**
- * Named angles over time, and the skeleton that they move. Immutable; may be read from many threads.
- */
-typedef struct MlgMotion MlgMotion;
-
-/**
- * Places on a template with their targets: landmarks or attachments. Immutable; may be read from
- * many threads.
- */
-typedef struct MlgPairs MlgPairs;
-
-/**
- * Lines, each open or closed. Immutable; may be read from many threads.
- */
-typedef struct MlgPolylines MlgPolylines;
-
-/**
- * A template skeleton and the surface it is to follow. May be used by one thread at a time.
- */
-typedef struct MlgRegistration MlgRegistration;
-
-/**
- * A registered skeleton. Immutable; may be read from many threads.
- */
-typedef struct MlgRegistrationResult MlgRegistrationResult;
-
-/**
- * A template and the data it is to follow. May be used by one thread at a time.
- */
-typedef struct MlgReshaping MlgReshaping;
-
-/**
- * A reshaped template. Immutable; may be read from many threads.
- */
-typedef struct MlgReshapingResult MlgReshapingResult;
-
-/**
- * A computation on a thread of its own. May be polled and cancelled from any thread.
- */
-typedef struct MlgRun MlgRun;
-
-/**
- * Bodies that overlap each other or obstacles. May be used by one thread at a time.
- */
-typedef struct MlgSeparation MlgSeparation;
-
-/**
- * Bodies that were pushed apart. Immutable; may be read from many threads.
- */
-typedef struct MlgSeparationResult MlgSeparationResult;
-
-/**
- * Mean shape and modes of all bones of a template. Immutable; may be read from many threads.
- */
-typedef struct MlgShapeModel MlgShapeModel;
-
-/**
- * Bones and the joints between them. Immutable; may be read from many threads.
- */
-typedef struct MlgSkeleton MlgSkeleton;
-
-/**
- * A tet mesh. Immutable; may be read from many threads.
- */
-typedef struct MlgTetMesh MlgTetMesh;
-
-/**
- * Tets that carry a surface. Immutable; may be read from many threads.
- */
-typedef struct MlgTetrahedralization MlgTetrahedralization;
-
-/**
- * A triangle surface. Immutable; may be read from many threads.
- */
-typedef struct MlgTriMesh MlgTriMesh;
-
-/**
- * A medical image, or a label map. Immutable; may be read from many threads. World coordinates are
- * millimetres in RAS: x to the person's right, y to the front, z to the head.
- */
-typedef struct MlgVolume MlgVolume;
-
-/**
  * What went wrong. Owned by the caller; written by a call only when it fails.
  */
-typedef struct {
+typedef struct MlgError {
   /**
    * The status the call returned.
    */
@@ -293,662 +268,13 @@ typedef struct {
 } MlgError;
 
 /**
- * Where a run stands. Lengths are in the template's unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`.
-   */
-  uint32_t state;
-  /**
-   * Iterations of the outer loop so far.
-   */
-  uint32_t iteration;
-  /**
-   * Share of the work done, 0 to 1, never falling; 1 once it has ended with a result and was not
-   * cancelled.
-   */
-  double fraction;
-  /**
-   * Latest value of the objective.
-   */
-  double energy;
-  /**
-   * Mean distance of the markers (registrations: of the pairs) to the shape; NaN while unknown.
-   */
-  double mean_error;
-  /**
-   * Largest distance of a marker to the shape; NaN while unknown.
-   */
-  double max_error;
-  /**
-   * Seconds since the start.
-   */
-  double seconds;
-  /**
-   * What is being done: UTF-8, zero-terminated.
-   */
-  char stage[MLG_STAGE_SIZE];
-} MlgProgress;
-
-/**
- * How to make tets. Set with `mlg_tetrahedralization_options_init`.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * `MLG_TETS_AUTO` (default), `MLG_TETS_TETGEN` or `MLG_TETS_LATTICE`.
-   */
-  uint32_t method;
-  /**
-   * About how many tets, 24 to 10 million. Default 15000.
-   */
-  uint32_t tet_count;
-  /**
-   * Path of the program TetGen, UTF-8; NULL: the environment variable MOULAGE_TETGEN, else the
-   * search path. Read during the call only.
-   */
-  const char *tetgen_path;
-} MlgTetrahedralizationOptions;
-
-/**
- * Shapes of tets. Volumes in the mesh's own unit, angles in degrees.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Number of tets.
-   */
-  uint32_t tet_count;
-  /**
-   * Tets of no or negative volume.
-   */
-  uint32_t inverted_count;
-  /**
-   * Sum of the signed volumes.
-   */
-  double volume;
-  /**
-   * Smallest dihedral angle.
-   */
-  double min_dihedral;
-  /**
-   * Largest dihedral angle.
-   */
-  double max_dihedral;
-  /**
-   * Smallest radius ratio (3 inner / outer sphere): 1 for regular tets, 0 for flat ones.
-   */
-  double min_radius_ratio;
-  /**
-   * Mean radius ratio.
-   */
-  double mean_radius_ratio;
-  /**
-   * Number of dihedral angles in each 10 degrees from 0 to 180.
-   */
-  uint32_t dihedral_histogram[18];
-} MlgTetQuality;
-
-/**
- * How to reshape. Set with `mlg_reshaping_options_init`. Lengths are in the template's unit; 0
- * takes a default relative to the template's size.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * How far a marker may be off. 0 (default): the template's diagonal / 1000.
-   */
-  double tolerance;
-  /**
-   * How far a landmark may be off. 0 (default): 5 times `tolerance`.
-   */
-  double landmark_tolerance;
-  /**
-   * How far an attachment may be off. 0 (default): `tolerance`.
-   */
-  double attachment_tolerance;
-  /**
-   * Weight of the smoothness of the plastic strain, without unit. Default: 0.08.
-   */
-  double smoothness;
-  /**
-   * Distance over which the strain returns to its mean away from data, as a multiple of the cube
-   * root of the template's volume; INFINITY: never. 0 (default): by how much of it was seen.
-   */
-  double screening;
-  /**
-   * Poisson's ratio of the tissue, above 0 and below 0.5. Default: 0.3.
-   */
-  double poisson;
-  /**
-   * 1: attachments are met whatever the markers say. 0 (default): they are weighed.
-   */
-  uint32_t hard_attachments;
-  /**
-   * Gauss-Newton iterations allowed. Default: 80; 0 stands for it, too.
-   */
-  uint32_t max_iterations;
-  /**
-   * Threads to use, up to 1024; 0 (default): all. The result does not depend on it.
-   */
-  uint32_t thread_count;
-  /**
-   * 1: the published formulation, for comparison. 0 (default): the improved one.
-   */
-  uint32_t paper;
-  /**
-   * 1 (default): template points far from every marker are pulled back, except beyond the ends of
-   * a scan that cuts the organ. 0: they are left alone.
-   */
-  uint32_t reverse_term;
-  /**
-   * Leave at 0.
-   */
-  uint32_t reserved;
-} MlgReshapingOptions;
-
-/**
- * The course of a reshaping. Lengths are in the template's unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Why it ended: a number of `MlgStop`.
-   */
-  uint32_t stop;
-  /**
-   * Gauss-Newton iterations.
-   */
-  uint32_t iterations;
-  /**
-   * Newton steps of all static solves.
-   */
-  uint32_t newton_steps;
-  /**
-   * Tets of no or negative volume in the result.
-   */
-  uint32_t inverted_tets;
-  /**
-   * Mean distance of the markers to the result; NaN without markers.
-   */
-  double mean_marker_distance;
-  /**
-   * Largest distance of a marker to the result; NaN without markers.
-   */
-  double max_marker_distance;
-  /**
-   * Seconds it took.
-   */
-  double seconds;
-} MlgReshapingSummary;
-
-/**
- * How to separate. Set with `mlg_separation_options_init`. Lengths are in the bodies' unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * Distance to leave between surfaces; 0 (default): the median diagonal of the bodies / 2000.
-   */
-  double gap;
-  /**
-   * Vertices up to this many edges away from an overlap may move. Default 5.
-   */
-  uint32_t rings;
-  /**
-   * Threads to use; 0 (default): all. The result does not depend on it.
-   */
-  uint32_t thread_count;
-} MlgSeparationOptions;
-
-/**
- * The course of a separation.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Why it ended: an `MlgEnding`.
-   */
-  uint32_t ending;
-  /**
-   * 1: no triangle of one surface crosses or lies inside another; decided exactly.
-   */
-  uint32_t separated;
-  /**
-   * Rounds of finding contacts and solving.
-   */
-  uint32_t rounds;
-  /**
-   * Pairs of surfaces that overlap or did; `mlg_separation_result_overlap` tells about each.
-   */
-  uint32_t overlap_count;
-  /**
-   * Seconds it took.
-   */
-  double seconds;
-} MlgSeparationSummary;
-
-/**
- * Two surfaces that overlap or did, before (index 0) and after (index 1). Lengths are in the bodies'
- * unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Number of the first surface: bodies from 0, then obstacles.
-   */
-  uint32_t first;
-  /**
-   * Number of the second.
-   */
-  uint32_t second;
-  /**
-   * Largest distance of a vertex inside to the other's surface.
-   */
-  double depth[2];
-  /**
-   * Vertices of either that lie inside the other.
-   */
-  uint32_t vertices_inside[2];
-  /**
-   * Pairs of triangles that cross.
-   */
-  uint32_t crossings[2];
-} MlgOverlap;
-
-/**
- * What a separation did to one body. Lengths are in the bodies' unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Vertices of its surface that moved.
-   */
-  uint32_t moved_vertices;
-  /**
-   * Tets of no or negative volume.
-   */
-  uint32_t inverted_tets;
-  /**
-   * The farthest move.
-   */
-  double largest_move;
-  /**
-   * Mean distance of its markers to its surface before (index 0) and after (1), of those outside
-   * all obstacles; NaN without any.
-   */
-  double mean_marker_distance[2];
-  /**
-   * Largest such distance.
-   */
-  double max_marker_distance[2];
-  /**
-   * Markers inside an obstacle, which cannot be met.
-   */
-  uint32_t markers_inside_obstacles;
-  /**
-   * 0.
-   */
-  uint32_t reserved;
-} MlgSeparatedBody;
-
-/**
- * What an image is.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * Voxels along each index.
-   */
-  size_t size[3];
-  /**
-   * World from voxel: the first three rows of a 4x4 matrix, row by row. An integer index is a
-   * voxel's centre.
-   */
-  double world_from_voxel[12];
-  /**
-   * Millimetres between voxels along each index.
-   */
-  double spacing[3];
-  /**
-   * Smallest and largest value.
-   */
-  double range[2];
-  /**
-   * Width and level of the window that suits the image.
-   */
-  double window[2];
-  /**
-   * Lowest and highest corner of the box around the image, world.
-   */
-  double box_low[3];
-  /**
-   * Highest corner.
-   */
-  double box_high[3];
-} MlgVolumeInfo;
-
-/**
- * A rectangle of pixels in the world. Made by `mlg_volume_plane`, or by the caller.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * World position of the first (top left) pixel's centre.
-   */
-  double corner[3];
-  /**
-   * Step to the next pixel in a row, mm.
-   */
-  double right[3];
-  /**
-   * Step to the next row, mm.
-   */
-  double down[3];
-  /**
-   * Pixels in a row.
-   */
-  size_t width;
-  /**
-   * Rows.
-   */
-  size_t height;
-} MlgSlicePlane;
-
-/**
- * How markers are put on the outlines of a label. Set with `mlg_clicks_init`.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * Millimetres between slices. Default: 9.
-   */
-  double every;
-  /**
-   * Millimetres between markers along an outline. Default: 8.
-   */
-  double spacing;
-  /**
-   * Standard deviation of a hand's error, mm. Default: 0, none.
-   */
-  double jitter;
-  /**
-   * Another number gives other errors. Default: 1.
-   */
-  uint64_t seed;
-} MlgClicks;
-
-/**
- * A joint between two bones. Set with `mlg_joint_init`.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * Its name, UTF-8, unique. As an answer: borrowed until the skeleton is freed.
-   */
-  const char *name;
-  /**
-   * Number of the parent bone, from 0.
-   */
-  uint32_t parent;
-  /**
-   * Number of the child bone, from 0.
-   */
-  uint32_t child;
-  /**
-   * 1 (default), or 0 for a joint that only closes a loop.
-   */
-  uint32_t in_tree;
-  /**
-   * 1: the frames below are given. 0 (default): the joint is put in the middle of the narrowest
-   * gap between its bones, and the frames are not read.
-   */
-  uint32_t has_frames;
-  /**
-   * World from the joint's frame on the parent bone, in the skeleton's pose: a 4x4 matrix, row by
-   * row, without scale.
-   */
-  double world_from_parent_frame[16];
-  /**
-   * World from the joint's frame on the child bone; the same in the neutral position.
-   */
-  double world_from_child_frame[16];
-  /**
-   * Largest rotations in the negative sense about x, y and z of the frame: radians, 0 or more;
-   * INFINITY (default) leaves it free.
-   */
-  double negative_limits[3];
-  /**
-   * Largest rotations in the positive sense.
-   */
-  double positive_limits[3];
-  /**
-   * Largest distance of the two frames' origins, in the skeleton's unit. Below 0 (default): half a
-   * percent of the skeleton's diagonal.
-   */
-  double shift_limit;
-} MlgJoint;
-
-/**
- * A bone to make a skeleton of.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * Its name, UTF-8, unique.
-   */
-  const char *name;
-  /**
-   * Its surface; may be freed afterwards.
-   */
-  const MlgTriMesh *surface;
-} MlgBone;
-
-/**
- * How to register. Set with `mlg_registration_options_init`. Lengths are in the template's unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header.
-   */
-  size_t struct_size;
-  /**
-   * 1 (default): many orientations of the template are tried. 0: it already lies where the person
-   * is.
-   */
-  uint32_t align;
-  /**
-   * 1: the loop as published, for comparison. 0 (default): the improved one.
-   */
-  uint32_t paper;
-  /**
-   * Iterations per level at most; 0 (default): 30.
-   */
-  uint32_t max_iterations;
-  /**
-   * Threads to use; 0 (default): all. The result does not depend on it.
-   */
-  uint32_t thread_count;
-  /**
-   * Cluster radii from coarse to fine, INFINITY for one cluster; NULL (default): as the skeleton's
-   * file says, else chosen from its size. Read during the call only.
-   */
-  const double *radii;
-  /**
-   * Number of radii.
-   */
-  size_t radius_count;
-} MlgRegistrationOptions;
-
-/**
- * The course of a registration. Lengths are in the template's unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * 1 if it was stopped on request before its end.
-   */
-  uint32_t cancelled;
-  /**
-   * Closest-point iterations.
-   */
-  uint32_t iterations;
-  /**
-   * Bones that fit much worse than the others.
-   */
-  uint32_t suspicious_bones;
-  /**
-   * Joints outside their limits.
-   */
-  uint32_t joints_outside;
-  /**
-   * Mean of the bones' mean residuals.
-   */
-  double mean_residual;
-  /**
-   * Largest residual of any bone.
-   */
-  double max_residual;
-  /**
-   * Seconds it took.
-   */
-  double seconds;
-} MlgRegistrationSummary;
-
-/**
- * How a bone fits. Lengths are in the template's unit.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Mean distance to the target, both ways.
-   */
-  double mean_residual;
-  /**
-   * Largest such distance.
-   */
-  double max_residual;
-  /**
-   * Share of the bone's area that the target shows, 0 to 1.
-   */
-  double seen;
-  /**
-   * 1 if it fits much worse than the others: perhaps it lies on a neighbour's surface.
-   */
-  uint32_t suspicious;
-  /**
-   * 0.
-   */
-  uint32_t reserved;
-} MlgBoneFit;
-
-/**
- * How a joint stands. Lengths are in the template's unit, angles in radians.
- */
-typedef struct {
-  /**
-   * `sizeof` this struct in the caller's header; set by the caller.
-   */
-  size_t struct_size;
-  /**
-   * Its centre.
-   */
-  double centre[3];
-  /**
-   * Rotation vector of the child's frame seen from the parent's.
-   */
-  double rotation[3];
-  /**
-   * Share of the allowed rotation that is used; 1: on the limit.
-   */
-  double usage;
-  /**
-   * Rotation beyond the limit.
-   */
-  double excess_rotation;
-  /**
-   * Distance of the two frames' origins.
-   */
-  double shift;
-  /**
-   * Shift beyond the limit.
-   */
-  double excess_shift;
-  /**
-   * Distance of the two bones' estimates of the centre before they were joined.
-   */
-  double seam;
-} MlgJointPose;
-
-#ifdef __cplusplus
-extern "C" {
-#endif // __cplusplus
-
-/**
- * The library's `MLG_ABI_VERSION`. Compare it with the header's when loading the library at run
- * time, and refuse to go on if they differ.
- */
-uint32_t mlg_abi_version(void);
-
-/**
- * The library's version, e.g. "0.1.0". Static, never NULL.
- */
-const char *mlg_version_string(void);
-
-/**
  * The name of a status, e.g. "INVALID_ARGUMENT"; "UNKNOWN" for other numbers. Static, never NULL.
  */
 const char *mlg_status_name(uint32_t status);
+
+/* ================================================================================================
+ * Surfaces and tet meshes, from arrays and files.
+ * ================================================================================================ */
 
 /**
  * Makes a surface from arrays, which are copied.
@@ -1054,6 +380,10 @@ const uint32_t *mlg_tet_mesh_tets(const MlgTetMesh *mesh, size_t *out_count);
  */
 void mlg_tet_mesh_free(MlgTetMesh *mesh);
 
+/* ================================================================================================
+ * Distances between a surface and points.
+ * ================================================================================================ */
+
 /**
  * The distance of each vertex of a surface to the nearest of some points: how well each place of a
  * result is supported by markers.
@@ -1079,6 +409,10 @@ MlgStatus mlg_tri_mesh_distances_of_points(const MlgTriMesh *mesh,
                                            size_t count,
                                            double *out_distances,
                                            MlgError *error);
+
+/* ================================================================================================
+ * Markers, from arrays and files.
+ * ================================================================================================ */
 
 /**
  * Makes markers from arrays, which are copied.
@@ -1129,11 +463,83 @@ const char *mlg_markers_label(const MlgMarkers *markers, size_t index);
  */
 void mlg_markers_free(MlgMarkers *markers);
 
+/* ================================================================================================
+ * Runs: started, polled, cancelled, waited for. No callback crosses the border.
+ * ================================================================================================ */
+
+/**
+ * Still at work.
+ */
+#define MLG_RUN_RUNNING 0
+
+/**
+ * Ended; waiting for its result returns at once.
+ */
+#define MLG_RUN_ENDED 1
+
+/**
+ * Bytes of `MlgProgress.stage`, the ending zero included.
+ */
+#define MLG_STAGE_SIZE 64
+
+/**
+ * Where a run stands. Lengths are in the template's unit.
+ */
+typedef struct MlgProgress {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`.
+   */
+  uint32_t state;
+  /**
+   * Iterations of the outer loop so far.
+   */
+  uint32_t iteration;
+  /**
+   * Share of the work done, 0 to 1, never falling; 1 once it has ended with a result and was not
+   * cancelled.
+   */
+  double fraction;
+  /**
+   * Latest value of the objective.
+   */
+  double energy;
+  /**
+   * Mean distance of the markers (registrations: of the pairs) to the shape; NaN while unknown.
+   */
+  double mean_error;
+  /**
+   * Largest distance of a marker to the shape; NaN while unknown.
+   */
+  double max_error;
+  /**
+   * Seconds since the start.
+   */
+  double seconds;
+  /**
+   * What is being done: UTF-8, zero-terminated.
+   */
+  char stage[MLG_STAGE_SIZE];
+} MlgProgress;
+
 /**
  * Tells where a run stands; takes less than a microsecond. `out_progress`: its `struct_size` must
  * be set.
  */
 MlgStatus mlg_run_poll(const MlgRun *run, MlgProgress *out_progress, MlgError *error);
+
+/**
+ * Waits until a run has ended, at most `seconds`: 0 does not wait, INFINITY waits for the end.
+ * `out_state`: `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`. The result is handed over by the
+ * `mlg_run_wait_...` of its kind.
+ */
+MlgStatus mlg_run_wait_for(const MlgRun *run,
+                           double seconds,
+                           uint32_t *out_state,
+                           MlgError *error);
 
 /**
  * Asks a run to stop; returns at once. The run still hands out the best shape so far, if it has
@@ -1143,8 +549,7 @@ void mlg_run_cancel(const MlgRun *run);
 
 /**
  * Copies the latest shape of the surface (registrations: of all bones, one after the other), for a
- * live view: `3 * *out_count` coordinates into
- * `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
+ * live view: `3 * *out_count` coordinates into `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
  * before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
  * `capacity` is 0.
  */
@@ -1158,6 +563,95 @@ MlgStatus mlg_run_preview_points(const MlgRun *run,
  * Cancels a run, waits for its end and frees it. NULL and handles freed already are allowed.
  */
 void mlg_run_free(MlgRun *run);
+
+/* ================================================================================================
+ * Filling: from a surface to tets that carry it.
+ * ================================================================================================ */
+
+/**
+ * TetGen where it is found and can fill the surface, else the lattice.
+ */
+#define MLG_TETS_AUTO 0
+
+/**
+ * The program TetGen, or an error.
+ */
+#define MLG_TETS_TETGEN 1
+
+/**
+ * The built-in lattice: takes open, self-intersecting and non-manifold surfaces as well.
+ */
+#define MLG_TETS_LATTICE 2
+
+/**
+ * (Only as an answer.) The tets were given by the caller.
+ */
+#define MLG_TETS_GIVEN 3
+
+/**
+ * How to make tets. Set with `mlg_tetrahedralization_options_init`.
+ */
+typedef struct MlgTetrahedralizationOptions {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * `MLG_TETS_AUTO` (default), `MLG_TETS_TETGEN` or `MLG_TETS_LATTICE`.
+   */
+  uint32_t method;
+  /**
+   * About how many tets, 24 to 10 million. Default 15000.
+   */
+  uint32_t tet_count;
+  /**
+   * Path of the program TetGen, UTF-8; NULL: the environment variable MOULAGE_TETGEN, else the
+   * search path. Read during the call only.
+   */
+  const char *tetgen_path;
+} MlgTetrahedralizationOptions;
+
+/**
+ * Shapes of tets. Volumes in the mesh's own unit, angles in degrees.
+ */
+typedef struct MlgTetQuality {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Number of tets.
+   */
+  uint32_t tet_count;
+  /**
+   * Tets of no or negative volume.
+   */
+  uint32_t inverted_count;
+  /**
+   * Sum of the signed volumes.
+   */
+  double volume;
+  /**
+   * Smallest dihedral angle.
+   */
+  double min_dihedral;
+  /**
+   * Largest dihedral angle.
+   */
+  double max_dihedral;
+  /**
+   * Smallest radius ratio (3 inner / outer sphere): 1 for regular tets, 0 for flat ones.
+   */
+  double min_radius_ratio;
+  /**
+   * Mean radius ratio.
+   */
+  double mean_radius_ratio;
+  /**
+   * Number of dihedral angles in each 10 degrees from 0 to 180.
+   */
+  uint32_t dihedral_histogram[18];
+} MlgTetQuality;
 
 /**
  * Writes the defaults. `struct_size`: `sizeof *out_options`.
@@ -1206,13 +700,15 @@ MlgStatus mlg_tetrahedralization_from_tets(const MlgTriMesh *surface,
  * The tets' points: `3 * *out_count` coordinates, borrowed until the object is freed. NULL for a
  * handle that is not valid. `out_count`: may be NULL.
  */
-const double *mlg_tetrahedralization_points(const MlgTetrahedralization *tets, size_t *out_count);
+const double *mlg_tetrahedralization_points(const MlgTetrahedralization *tets,
+                                            size_t *out_count);
 
 /**
  * The tets: `4 * *out_count` vertex indices, borrowed until the object is freed. NULL for a handle
  * that is not valid. `out_count`: may be NULL.
  */
-const uint32_t *mlg_tetrahedralization_tets(const MlgTetrahedralization *tets, size_t *out_count);
+const uint32_t *mlg_tetrahedralization_tets(const MlgTetrahedralization *tets,
+                                            size_t *out_count);
 
 /**
  * The share of each tet that is inside the surface, 0 to 1: `*out_count` numbers, one per tet,
@@ -1255,6 +751,71 @@ MlgStatus mlg_tetrahedralization_quality(const MlgTetrahedralization *tets,
  * Frees tets. NULL and handles freed already are allowed. Objects made from it stay valid.
  */
 void mlg_tetrahedralization_free(MlgTetrahedralization *tets);
+
+/* ================================================================================================
+ * Reshaping: the problem and its options.
+ * ================================================================================================ */
+
+/**
+ * How to reshape. Set with `mlg_reshaping_options_init`. Lengths are in the template's unit; 0
+ * takes a default relative to the template's size.
+ */
+typedef struct MlgReshapingOptions {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * How far a marker may be off. 0 (default): the template's diagonal / 1000.
+   */
+  double tolerance;
+  /**
+   * How far a landmark may be off. 0 (default): 5 times `tolerance`.
+   */
+  double landmark_tolerance;
+  /**
+   * How far an attachment may be off. 0 (default): `tolerance`.
+   */
+  double attachment_tolerance;
+  /**
+   * Weight of the smoothness of the plastic strain, without unit. Default: 0.08.
+   */
+  double smoothness;
+  /**
+   * Distance over which the strain returns to its mean away from data, as a multiple of the cube
+   * root of the template's volume; INFINITY: never. 0 (default): by how much of it was seen.
+   */
+  double screening;
+  /**
+   * Poisson's ratio of the tissue, above 0 and below 0.5. Default: 0.3.
+   */
+  double poisson;
+  /**
+   * 1: attachments are met whatever the markers say. 0 (default): they are weighed.
+   */
+  uint32_t hard_attachments;
+  /**
+   * Gauss-Newton iterations allowed. Default: 80; 0 stands for it, too.
+   */
+  uint32_t max_iterations;
+  /**
+   * Threads to use, up to 1024; 0 (default): all. The result does not depend on it.
+   */
+  uint32_t thread_count;
+  /**
+   * 1: the published formulation, for comparison. 0 (default): the improved one.
+   */
+  uint32_t paper;
+  /**
+   * 1 (default): template points far from every marker are pulled back, except beyond the ends of
+   * a scan that cuts the organ. 0: they are left alone.
+   */
+  uint32_t reverse_term;
+  /**
+   * Leave at 0.
+   */
+  uint32_t reserved;
+} MlgReshapingOptions;
 
 /**
  * Writes the defaults. `struct_size`: `sizeof *out_options`.
@@ -1340,6 +901,15 @@ MlgStatus mlg_reshaping_set_fixed(MlgReshaping *problem,
  * Frees a problem. NULL and handles freed already are allowed. Runs started from it go on.
  */
 void mlg_reshaping_free(MlgReshaping *problem);
+
+/* ================================================================================================
+ * Landmarks and attachments: places on a template and their targets, from files or bones.
+ * ================================================================================================ */
+
+/**
+ * Vertex of a pair whose place is no vertex of the template.
+ */
+#define MLG_NO_VERTEX UINT32_MAX
 
 /**
  * Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
@@ -1443,6 +1013,20 @@ MlgStatus mlg_reshaping_set_attachment_pairs(MlgReshaping *problem,
  */
 MlgStatus mlg_reshaping_load_fixed(MlgReshaping *problem, const char *path, MlgError *error);
 
+/* ================================================================================================
+ * Before a reshaping: where the template is to lie, and what is suspicious.
+ * ================================================================================================ */
+
+/**
+ * Turn and move only.
+ */
+#define MLG_ALIGN_RIGID 0
+
+/**
+ * Turn, move and scale.
+ */
+#define MLG_ALIGN_SIMILARITY 1
+
 /**
  * Finds where to put a template so that the markers lie on its surface. Three or more landmarks
  * that are not on one line decide alone; otherwise at least three markers are needed.
@@ -1474,6 +1058,10 @@ MlgStatus mlg_reshaping_check(const MlgReshaping *problem,
                               size_t capacity,
                               size_t *out_length,
                               MlgError *error);
+
+/* ================================================================================================
+ * Reshaping: started, or run to its end.
+ * ================================================================================================ */
 
 /**
  * Starts a reshaping on a thread of its own and returns at once. The problem is copied: it may be
@@ -1513,17 +1101,92 @@ MlgStatus mlg_reshaping_run(const MlgReshaping *problem,
                             MlgReshapingResult **out_result,
                             MlgError *error);
 
+/* ================================================================================================
+ * What a reshaping gave.
+ * ================================================================================================ */
+
+/**
+ * Why a reshaping ended. Reaching a limit is no error: the result is there.
+ */
+typedef enum MlgStop {
+  /**
+   * The objective no longer falls by a relevant amount.
+   */
+  MLG_STOP_SETTLED = 0,
+  /**
+   * All markers are within the tolerance.
+   */
+  MLG_STOP_TOLERANCE_MET = 1,
+  /**
+   * No step lowers the objective although it should.
+   */
+  MLG_STOP_NO_STEP = 2,
+  /**
+   * The iterations ran out.
+   */
+  MLG_STOP_ITERATION_LIMIT = 3,
+  /**
+   * The caller asked to stop.
+   */
+  MLG_STOP_CANCELLED = 4,
+} MlgStop;
+
+/**
+ * The course of a reshaping. Lengths are in the template's unit.
+ */
+typedef struct MlgReshapingSummary {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Why it ended: a number of `MlgStop`.
+   */
+  uint32_t stop;
+  /**
+   * Gauss-Newton iterations.
+   */
+  uint32_t iterations;
+  /**
+   * Newton steps of all static solves.
+   */
+  uint32_t newton_steps;
+  /**
+   * Tets of no or negative volume in the result.
+   */
+  uint32_t inverted_tets;
+  /**
+   * Mean distance of the markers to the result; NaN without markers.
+   */
+  double mean_marker_distance;
+  /**
+   * Largest distance of a marker to the result; NaN without markers.
+   */
+  double max_marker_distance;
+  /**
+   * Seconds it took.
+   */
+  double seconds;
+} MlgReshapingSummary;
+
+/**
+ * The name of an `MlgStop`, e.g. "SETTLED"; "UNKNOWN" for other numbers. Static, never NULL.
+ */
+const char *mlg_stop_name(uint32_t stop);
+
 /**
  * The surface's points, in the template's order: `3 * *out_count` coordinates, borrowed until the
  * result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
  */
-const double *mlg_reshaping_result_points(const MlgReshapingResult *result, size_t *out_count);
+const double *mlg_reshaping_result_points(const MlgReshapingResult *result,
+                                          size_t *out_count);
 
 /**
  * The tet mesh's points, in its order: `3 * *out_count` coordinates, borrowed until the result is
  * freed. NULL for a handle that is not valid. `out_count`: may be NULL.
  */
-const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result, size_t *out_count);
+const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result,
+                                              size_t *out_count);
 
 /**
  * The plastic strain Fp of each tet: `9 * *out_count` numbers, a symmetric 3x3 matrix each;
@@ -1531,14 +1194,6 @@ const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result, 
  */
 const double *mlg_reshaping_result_plastic_strains(const MlgReshapingResult *result,
                                                    size_t *out_count);
-
-/**
- * The distance of each marker to the result: `*out_count` numbers in the markers' order, borrowed
- * until the result is freed. NULL without markers or for a handle that is not valid. `out_count`:
- * may be NULL.
- */
-const double *mlg_reshaping_result_marker_distances(const MlgReshapingResult *result,
-                                                    size_t *out_count);
 
 /**
  * The largest principal stretch of the deformation at each vertex of the surface: `*out_count`
@@ -1593,6 +1248,60 @@ MlgStatus mlg_reshaping_result_quality(const MlgReshapingResult *result,
  * Frees a result. NULL and handles freed already are allowed.
  */
 void mlg_reshaping_result_free(MlgReshapingResult *result);
+
+/* ================================================================================================
+ * What a reshaping gave: how far markers, landmarks and attachments are from it.
+ * ================================================================================================ */
+
+/**
+ * The distance of each marker to the result: `*out_count` numbers in the markers' order, borrowed
+ * until the result is freed. NULL without markers or for a handle that is not valid. `out_count`:
+ * may be NULL.
+ */
+const double *mlg_reshaping_result_marker_distances(const MlgReshapingResult *result,
+                                                    size_t *out_count);
+
+/**
+ * The distance of each landmark's place on the result to its target: `*out_count` numbers in the order in
+ * which they were set, borrowed until the result is freed. NULL without landmarks or for a handle that is
+ * not valid. `out_count`: may be NULL.
+ */
+const double *mlg_reshaping_result_landmark_distances(const MlgReshapingResult *result,
+                                                      size_t *out_count);
+
+/**
+ * The distance of each attachment's place on the result to its target: `*out_count` numbers in the order in
+ * which they were set, borrowed until the result is freed. NULL without attachments or for a handle that is
+ * not valid. `out_count`: may be NULL.
+ */
+const double *mlg_reshaping_result_attachment_distances(const MlgReshapingResult *result,
+                                                        size_t *out_count);
+
+/* ================================================================================================
+ * Separation of bodies that overlap: the problem, its options, the run.
+ * ================================================================================================ */
+
+/**
+ * How to separate. Set with `mlg_separation_options_init`. Lengths are in the bodies' unit.
+ */
+typedef struct MlgSeparationOptions {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Distance to leave between surfaces; 0 (default): the median diagonal of the bodies / 2000.
+   */
+  double gap;
+  /**
+   * Vertices up to this many edges away from an overlap may move. Default 5.
+   */
+  uint32_t rings;
+  /**
+   * Threads to use; 0 (default): all. The result does not depend on it.
+   */
+  uint32_t thread_count;
+} MlgSeparationOptions;
 
 /**
  * Writes the defaults. `struct_size`: `sizeof *out_options`.
@@ -1678,6 +1387,133 @@ MlgStatus mlg_separation_run(const MlgSeparation *problem,
  */
 void mlg_separation_free(MlgSeparation *problem);
 
+/* ================================================================================================
+ * What a separation gave.
+ * ================================================================================================ */
+
+/**
+ * Why a separation ended.
+ */
+typedef enum MlgEnding {
+  /**
+   * No contact is left.
+   */
+  MLG_ENDING_PARTED = 0,
+  /**
+   * Overlaps no longer shrank; the shapes with the least are the result.
+   */
+  MLG_ENDING_STALLED = 1,
+  /**
+   * It was stopped on request; the shapes with the least overlap so far are the result.
+   */
+  MLG_ENDING_CANCELLED = 2,
+} MlgEnding;
+
+/**
+ * The course of a separation.
+ */
+typedef struct MlgSeparationSummary {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Why it ended: an `MlgEnding`.
+   */
+  uint32_t ending;
+  /**
+   * 1: no triangle of one surface crosses or lies inside another; decided exactly.
+   */
+  uint32_t separated;
+  /**
+   * Rounds of finding contacts and solving.
+   */
+  uint32_t rounds;
+  /**
+   * Pairs of surfaces that overlap or did; `mlg_separation_result_overlap` tells about each.
+   */
+  uint32_t overlap_count;
+  /**
+   * Seconds it took.
+   */
+  double seconds;
+} MlgSeparationSummary;
+
+/**
+ * Two surfaces that overlap or did, before (index 0) and after (index 1). Lengths are in the bodies'
+ * unit.
+ */
+typedef struct MlgOverlap {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Number of the first surface: bodies from 0, then obstacles.
+   */
+  uint32_t first;
+  /**
+   * Number of the second.
+   */
+  uint32_t second;
+  /**
+   * Largest distance of a vertex inside to the other's surface.
+   */
+  double depth[2];
+  /**
+   * Vertices of either that lie inside the other.
+   */
+  uint32_t vertices_inside[2];
+  /**
+   * Pairs of triangles that cross.
+   */
+  uint32_t crossings[2];
+} MlgOverlap;
+
+/**
+ * What a separation did to one body. Lengths are in the bodies' unit.
+ */
+typedef struct MlgSeparatedBody {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Vertices of its surface that moved.
+   */
+  uint32_t moved_vertices;
+  /**
+   * Tets of no or negative volume.
+   */
+  uint32_t inverted_tets;
+  /**
+   * The farthest move.
+   */
+  double largest_move;
+  /**
+   * Mean distance of its markers to its surface before (index 0) and after (1), of those outside
+   * all obstacles; NaN without any.
+   */
+  double mean_marker_distance[2];
+  /**
+   * Largest such distance.
+   */
+  double max_marker_distance[2];
+  /**
+   * Markers inside an obstacle, which cannot be met.
+   */
+  uint32_t markers_inside_obstacles;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+} MlgSeparatedBody;
+
+/**
+ * The name of an `MlgEnding`, e.g. "PARTED"; "UNKNOWN" for other numbers. Static, never NULL.
+ */
+const char *mlg_ending_name(uint32_t ending);
+
 /**
  * The points of a body's surface, in its order: `3 * *out_count` coordinates, borrowed until the
  * result is freed. NULL if `body` is not below the count or the handle is not valid. `out_count`: may
@@ -1723,6 +1559,79 @@ MlgStatus mlg_separation_result_body(const MlgSeparationResult *result,
  */
 void mlg_separation_result_free(MlgSeparationResult *result);
 
+/* ================================================================================================
+ * Medical images: slices, and lines on slices.
+ * ================================================================================================ */
+
+/**
+ * What an image is.
+ */
+typedef struct MlgVolumeInfo {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Voxels along each index.
+   */
+  size_t size[3];
+  /**
+   * World from voxel: the first three rows of a 4x4 matrix, row by row. An integer index is a
+   * voxel's centre.
+   */
+  double world_from_voxel[12];
+  /**
+   * Millimetres between voxels along each index.
+   */
+  double spacing[3];
+  /**
+   * Smallest and largest value.
+   */
+  double range[2];
+  /**
+   * Width and level of the window that suits the image.
+   */
+  double window[2];
+  /**
+   * Lowest and highest corner of the box around the image, world.
+   */
+  double box_low[3];
+  /**
+   * Highest corner.
+   */
+  double box_high[3];
+} MlgVolumeInfo;
+
+/**
+ * A rectangle of pixels in the world. Made by `mlg_volume_plane`, or by the caller.
+ */
+typedef struct MlgSlicePlane {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * World position of the first (top left) pixel's centre.
+   */
+  double corner[3];
+  /**
+   * Step to the next pixel in a row, mm.
+   */
+  double right[3];
+  /**
+   * Step to the next row, mm.
+   */
+  double down[3];
+  /**
+   * Pixels in a row.
+   */
+  size_t width;
+  /**
+   * Rows.
+   */
+  size_t height;
+} MlgSlicePlane;
+
 /**
  * Reads an image: NIfTI (`.nii`, `.nii.gz`), NRRD (`.nrrd`, `.nhdr`), MetaImage (`.mha`, `.mhd`), a
  * folder of DICOM slices, or the series of one DICOM file. `path`: UTF-8. Free with
@@ -1733,7 +1642,9 @@ MlgStatus mlg_volume_load(const char *path, MlgVolume **out_volume, MlgError *er
 /**
  * Writes what the image is. Set `out_info->struct_size` before.
  */
-MlgStatus mlg_volume_info(const MlgVolume *volume, MlgVolumeInfo *out_info, MlgError *error);
+MlgStatus mlg_volume_info(const MlgVolume *volume,
+                          MlgVolumeInfo *out_info,
+                          MlgError *error);
 
 /**
  * What was noticed while reading, such as a tilted gantry: one sentence per line, written as by
@@ -1818,6 +1729,97 @@ const uint8_t *mlg_polylines_closed(const MlgPolylines *lines, size_t *out_count
  */
 void mlg_polylines_free(MlgPolylines *lines);
 
+/* ================================================================================================
+ * Medical images from memory, and their voxels.
+ * ================================================================================================ */
+
+/**
+ * How voxels lie in the world. Set with `mlg_volume_grid_init`.
+ */
+typedef struct MlgVolumeGrid {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Voxels along each index.
+   */
+  size_t size[3];
+  /**
+   * Millimetres between voxels along each index. Default: 1.
+   */
+  double spacing[3];
+  /**
+   * Centre of the first voxel. Default: 0.
+   */
+  double origin[3];
+  /**
+   * A 3x3 matrix, row by row, whose columns are the directions of the indices. Default: the world's
+   * own axes.
+   */
+  double directions[9];
+  /**
+   * 1: origin and directions are in LPS, as those of ITK and DICOM. 0 (default): in RAS.
+   */
+  uint32_t lps;
+  /**
+   * Leave at 0.
+   */
+  uint32_t reserved;
+} MlgVolumeGrid;
+
+/**
+ * Writes the defaults. `struct_size`: `sizeof *out_grid`.
+ */
+MlgStatus mlg_volume_grid_init(MlgVolumeGrid *out_grid, size_t struct_size);
+
+/**
+ * Makes an image from an array, which is copied.
+ *
+ * `values`: `size[0] * size[1] * size[2]` of `grid`, the first index fastest; those that are not
+ * finite become 0. Labels are whole numbers. Free with `mlg_volume_free`.
+ */
+MlgStatus mlg_volume_new(const float *values,
+                         const MlgVolumeGrid *grid,
+                         MlgVolume **out_volume,
+                         MlgError *error);
+
+/**
+ * The values of all voxels, the first index fastest: `*out_count` numbers, borrowed until the image
+ * is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const float *mlg_volume_values(const MlgVolume *volume, size_t *out_count);
+
+/* ================================================================================================
+ * Label maps: which labels there are, their outlines, markers on them, their surfaces.
+ * ================================================================================================ */
+
+/**
+ * How markers are put on the outlines of a label. Set with `mlg_clicks_init`.
+ */
+typedef struct MlgClicks {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Millimetres between slices. Default: 9.
+   */
+  double every;
+  /**
+   * Millimetres between markers along an outline. Default: 8.
+   */
+  double spacing;
+  /**
+   * Standard deviation of a hand's error, mm. Default: 0, none.
+   */
+  double jitter;
+  /**
+   * Another number gives other errors. Default: 1.
+   */
+  uint64_t seed;
+} MlgClicks;
+
 /**
  * The labels of a label map, ascending, without 0: writes the first `capacity` of them to
  * `out_labels` and their number to `out_count`. An image whose values are no whole numbers, or more
@@ -1868,6 +1870,82 @@ MlgStatus mlg_volume_label_surface(const MlgVolume *labels,
                                    MlgTriMesh **out_mesh,
                                    MlgError *error);
 
+/* ================================================================================================
+ * Skeletons from arrays: bones and joints.
+ * ================================================================================================ */
+
+/**
+ * A joint between two bones. Set with `mlg_joint_init`.
+ */
+typedef struct MlgJoint {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Its name, UTF-8, unique. As an answer: borrowed until the skeleton is freed.
+   */
+  const char *name;
+  /**
+   * Number of the parent bone, from 0.
+   */
+  uint32_t parent;
+  /**
+   * Number of the child bone, from 0.
+   */
+  uint32_t child;
+  /**
+   * 1 (default), or 0 for a joint that only closes a loop.
+   */
+  uint32_t in_tree;
+  /**
+   * 1: the frames below are given. 0 (default): the joint is put in the middle of the narrowest
+   * gap between its bones, and the frames are not read.
+   */
+  uint32_t has_frames;
+  /**
+   * World from the joint's frame on the parent bone, in the skeleton's pose: a 4x4 matrix, row by
+   * row, without scale.
+   */
+  double world_from_parent_frame[16];
+  /**
+   * World from the joint's frame on the child bone; the same in the neutral position.
+   */
+  double world_from_child_frame[16];
+  /**
+   * Largest rotations in the negative sense about x, y and z of the frame: radians, 0 or more;
+   * INFINITY (default) leaves it free.
+   */
+  double negative_limits[3];
+  /**
+   * Largest rotations in the positive sense.
+   */
+  double positive_limits[3];
+  /**
+   * Largest distance of the two frames' origins, in the skeleton's unit. Below 0 (default): half a
+   * percent of the skeleton's diagonal.
+   */
+  double shift_limit;
+} MlgJoint;
+
+/**
+ * A bone to make a skeleton of.
+ */
+typedef struct MlgBone {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * Its name, UTF-8, unique.
+   */
+  const char *name;
+  /**
+   * Its surface; may be freed afterwards.
+   */
+  const MlgTriMesh *surface;
+} MlgBone;
+
 /**
  * Writes the defaults of a joint. `struct_size`: `sizeof *out_joint`.
  */
@@ -1889,6 +1967,10 @@ MlgStatus mlg_skeleton_new(const MlgBone *bones,
  * Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.
  */
 void mlg_skeleton_free(MlgSkeleton *skeleton);
+
+/* ================================================================================================
+ * What is in a skeleton: names, surfaces, joints, angles.
+ * ================================================================================================ */
 
 /**
  * Number of bones; 0 for a handle that is not valid.
@@ -1949,6 +2031,10 @@ const double *mlg_skeleton_angles(const MlgSkeleton *skeleton, size_t *out_count
  */
 const char *mlg_skeleton_angle_name(const MlgSkeleton *skeleton, size_t angle);
 
+/* ================================================================================================
+ * Skeleton files, read and written.
+ * ================================================================================================ */
+
 /**
  * Reads a skeleton from a `.skeleton.json` file (its bones' surfaces lie where it says) or an
  * OpenSim 4 `.osim` model (surfaces beside it or in `Geometry/`). `path`: UTF-8. Free with
@@ -2002,6 +2088,10 @@ MlgStatus mlg_skeleton_save_osim(const MlgSkeleton *skeleton,
                                  size_t capacity,
                                  size_t *out_length,
                                  MlgError *error);
+
+/* ================================================================================================
+ * Motions of skeletons: angles of their joints over time.
+ * ================================================================================================ */
 
 /**
  * Makes a motion from arrays, which are copied.
@@ -2070,6 +2160,10 @@ const char *mlg_motion_notes(const MlgMotion *motion);
  */
 void mlg_motion_free(MlgMotion *motion);
 
+/* ================================================================================================
+ * Shape statistics of a skeleton's bones.
+ * ================================================================================================ */
+
 /**
  * Learns the shapes of all bones together, pose removed. Takes seconds for large skeletons.
  *
@@ -2105,7 +2199,9 @@ MlgStatus mlg_shape_model_load(const MlgSkeleton *template_skeleton,
 /**
  * Writes a model as `.h5.json`; numbers have single precision there. `path`: UTF-8.
  */
-MlgStatus mlg_shape_model_save(const MlgShapeModel *model, const char *path, MlgError *error);
+MlgStatus mlg_shape_model_save(const MlgShapeModel *model,
+                               const char *path,
+                               MlgError *error);
 
 /**
  * How far the surface moves at one standard deviation of each mode, root mean square, in the
@@ -2137,10 +2233,51 @@ MlgStatus mlg_shape_model_shape(const MlgShapeModel *model,
  */
 void mlg_shape_model_free(MlgShapeModel *model);
 
+/* ================================================================================================
+ * Registration of a skeleton: the problem, its options, the run.
+ * ================================================================================================ */
+
+/**
+ * How to register. Set with `mlg_registration_options_init`. Lengths are in the template's unit.
+ */
+typedef struct MlgRegistrationOptions {
+  /**
+   * `sizeof` this struct in the caller's header.
+   */
+  size_t struct_size;
+  /**
+   * 1 (default): many orientations of the template are tried. 0: it already lies where the person
+   * is.
+   */
+  uint32_t align;
+  /**
+   * 1: the loop as published, for comparison. 0 (default): the improved one.
+   */
+  uint32_t paper;
+  /**
+   * Iterations per level at most; 0 (default): 30.
+   */
+  uint32_t max_iterations;
+  /**
+   * Threads to use; 0 (default): all. The result does not depend on it.
+   */
+  uint32_t thread_count;
+  /**
+   * Cluster radii from coarse to fine, INFINITY for one cluster; NULL (default): as the skeleton's
+   * file says, else chosen from its size. Read during the call only.
+   */
+  const double *radii;
+  /**
+   * Number of radii.
+   */
+  size_t radius_count;
+} MlgRegistrationOptions;
+
 /**
  * Writes the defaults. `struct_size`: `sizeof *out_options`.
  */
-MlgStatus mlg_registration_options_init(MlgRegistrationOptions *out_options, size_t struct_size);
+MlgStatus mlg_registration_options_init(MlgRegistrationOptions *out_options,
+                                        size_t struct_size);
 
 /**
  * Makes a registration of a template, without a target yet. Free with `mlg_registration_free`.
@@ -2217,6 +2354,116 @@ MlgStatus mlg_registration_run(const MlgRegistration *problem,
  */
 void mlg_registration_free(MlgRegistration *problem);
 
+/* ================================================================================================
+ * What a registration gave.
+ * ================================================================================================ */
+
+/**
+ * The course of a registration. Lengths are in the template's unit.
+ */
+typedef struct MlgRegistrationSummary {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * 1 if it was stopped on request before its end.
+   */
+  uint32_t cancelled;
+  /**
+   * Closest-point iterations.
+   */
+  uint32_t iterations;
+  /**
+   * Bones that fit much worse than the others.
+   */
+  uint32_t suspicious_bones;
+  /**
+   * Joints outside their limits.
+   */
+  uint32_t joints_outside;
+  /**
+   * Mean of the bones' mean residuals.
+   */
+  double mean_residual;
+  /**
+   * Largest residual of any bone.
+   */
+  double max_residual;
+  /**
+   * Seconds it took.
+   */
+  double seconds;
+} MlgRegistrationSummary;
+
+/**
+ * How a bone fits. Lengths are in the template's unit.
+ */
+typedef struct MlgBoneFit {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Mean distance to the target, both ways.
+   */
+  double mean_residual;
+  /**
+   * Largest such distance.
+   */
+  double max_residual;
+  /**
+   * Share of the bone's area that the target shows, 0 to 1.
+   */
+  double seen;
+  /**
+   * 1 if it fits much worse than the others: perhaps it lies on a neighbour's surface.
+   */
+  uint32_t suspicious;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+} MlgBoneFit;
+
+/**
+ * How a joint stands. Lengths are in the template's unit, angles in radians.
+ */
+typedef struct MlgJointPose {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Its centre.
+   */
+  double centre[3];
+  /**
+   * Rotation vector of the child's frame seen from the parent's.
+   */
+  double rotation[3];
+  /**
+   * Share of the allowed rotation that is used; 1: on the limit.
+   */
+  double usage;
+  /**
+   * Rotation beyond the limit.
+   */
+  double excess_rotation;
+  /**
+   * Distance of the two frames' origins.
+   */
+  double shift;
+  /**
+   * Shift beyond the limit.
+   */
+  double excess_shift;
+  /**
+   * Distance of the two bones' estimates of the centre before they were joined.
+   */
+  double seam;
+} MlgJointPose;
+
 /**
  * The person's skeleton: bones in the template's vertex order, joint frames inside all limits. It is
  * an object of its own and may be the template of another registration. Free with
@@ -2284,7 +2531,7 @@ MlgStatus mlg_registration_result_warnings(const MlgRegistrationResult *result,
 void mlg_registration_result_free(MlgRegistrationResult *result);
 
 #ifdef __cplusplus
-}  // extern "C"
-#endif  // __cplusplus
+}
+#endif
 
 #endif  /* MOULAGE_H */

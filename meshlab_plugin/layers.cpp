@@ -116,9 +116,9 @@ moulage::Tetrahedralization fill(const moulage::TriMesh &surface,
     options.method = static_cast<std::uint32_t>(parameters.getEnum("tets"));
     options.tet_count = static_cast<std::uint32_t>(std::max(0, parameters.getInt("tet_count")));
     options.tetgen_path = tetgen.empty() ? nullptr : tetgen.c_str();
-    const moulage::Run run = moulage::start_tets(surface, options);
+    const auto run = moulage::start_tets(surface, options);
     follow(run, callback);
-    return run.wait_tets();
+    return run.wait();
 }
 
 void add_tet_parameters(RichParameterList &list, bool hidden) {

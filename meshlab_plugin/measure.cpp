@@ -35,7 +35,7 @@ FilterMoulage::Figures FilterMoulage::tetrahedralize(const RichParameterList &pa
     const std::string save = file(parameters, "save", true);
     if (!save.empty()) moulage::TetMesh(tets.points(), tets.tets()).save(save);
     const MlgTetQuality quality = tets.quality();
-    const bool by_tetgen = mlg_tetrahedralization_method(tets.get()) == MLG_TETS_TETGEN;
+    const bool by_tetgen = tets.method() == MLG_TETS_TETGEN;
     log("%i tets by %s, volume %g; dihedral angles %.1f to %.1f deg; radius ratio %.3f at least, %.3f "
         "in the mean",
         int(quality.tet_count), by_tetgen ? "TetGen" : "the lattice", quality.volume,
@@ -60,10 +60,10 @@ FilterMoulage::Figures FilterMoulage::distance(const RichParameterList &paramete
     const MeshModel &marker_layer = markers_beside(own, "surface", document, parameters);
     const std::vector<double> markers = points_in(own, marker_layer);
     const moulage::TriMesh surface = surface_of(arrays_of(own));
-    const std::vector<double> to = surface.distances_to(moulage::view_of(markers));
-    const std::vector<double> of = surface.distances_of(moulage::view_of(markers));
+    const std::vector<double> to = surface.distances_to(markers);
+    const std::vector<double> of = surface.distances_of(markers);
 
-    set_quality(own, moulage::view_of(to));
+    set_quality(own, to);
     if (parameters.getBool("colorize")) {
         own.updateDataMask(MeshModel::MM_VERTCOLOR);
         vcg::tri::UpdateColor<CMeshO>::PerVertexQualityRamp(

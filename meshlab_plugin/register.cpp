@@ -50,9 +50,8 @@ LayeredSkeleton skeleton_from_layers(MeshDocument &document, const MeshModel &ta
     }
     if (layers.empty())
         fail("There is no bone: name a skeleton file, or show the layers that are its bones.");
-    std::vector<MlgBone> bones;
-    for (std::size_t b = 0; b < layers.size(); ++b)
-        bones.push_back({sizeof(MlgBone), names[b].c_str(), surfaces[b].get()});
+    std::vector<moulage::Bone> bones;
+    for (std::size_t b = 0; b < layers.size(); ++b) bones.push_back({names[b], surfaces[b]});
 
     const double limit = double(parameters.getFloat("joint_limit")) * M_PI / 180;
     std::vector<MlgJoint> joints;
@@ -106,9 +105,9 @@ FilterMoulage::Figures FilterMoulage::register_skeleton(const RichParameterList 
     problem.set_target(surface_in_scene(target));
     MlgRegistrationOptions options = moulage::registration_options();
     options.align = parameters.getBool("align") ? 1 : 0;
-    const moulage::Run run = problem.start(options);
+    const auto run = problem.start(options);
     follow(run, callback);
-    const moulage::RegistrationResult result = run.wait_registration();
+    const moulage::RegistrationResult result = run.wait();
     const moulage::Skeleton person = result.skeleton();
     const std::string save = file(parameters, "save", true);
     if (!save.empty()) person.save(save);

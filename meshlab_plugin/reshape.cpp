@@ -29,7 +29,7 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
         fail("Landmarks on the person need landmarks on the template.");
     if (!on_template.empty()) {
         const auto pairs = moulage::Pairs::landmarks(surface, on_template, on_person);
-        if (const char *warning = mlg_pairs_warning(pairs.get())) warn(warning);
+        warn(pairs.warning());
         places.assign(pairs.template_points().begin(), pairs.template_points().end());
         targets.assign(pairs.targets().begin(), pairs.targets().end());
         if (!on_person.empty() && !(own.cm.Tr == marker_layer.cm.Tr)) {
@@ -61,8 +61,7 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
     if (align != 0) {
         const std::vector<double> m =
             surface.align(align == 1 ? MLG_ALIGN_RIGID : MLG_ALIGN_SIMILARITY,
-                          moulage::view_of(markers), moulage::view_of(places),
-                          moulage::view_of(targets));
+                          markers, places, targets);
         for (std::vector<double> *list : {&arrays.points, &places, &held})
             for (std::size_t i = 0; i < list->size(); i += 3) {
                 double *p = list->data() + i;
@@ -78,16 +77,16 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
     for (const std::string &warning : tets.warnings()) warn(warning);
 
     moulage::Reshaping problem(tets);
-    problem.set_markers(moulage::view_of(markers));
-    problem.set_landmarks(moulage::view_of(places), moulage::view_of(targets));
-    problem.set_attachments(moulage::view_of(held), moulage::view_of(held_at));
+    problem.set_markers(markers);
+    problem.set_landmarks(places, targets);
+    problem.set_attachments(held, held_at);
     warn(problem.check());
     MlgReshapingOptions options = moulage::reshaping_options();
     options.tolerance = double(parameters.getAbsPerc("tolerance"));
     options.landmark_tolerance = double(parameters.getAbsPerc("landmark_tolerance"));
     options.max_iterations =
         static_cast<std::uint32_t>(std::max(0, parameters.getInt("max_iterations")));
-    const moulage::Run run = problem.start(options);
+    const auto run = problem.start(options);
     follow(run, callback);
     const moulage::ReshapingResult result = run.wait();
 
@@ -97,8 +96,8 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
     if (shown == MARKER_DISTANCE) {
         const moulage::TriMesh person(
             std::vector<double>(result.points().begin(), result.points().end()), arrays.triangles);
-        const std::vector<double> distances = person.distances_to(moulage::view_of(markers));
-        set_quality(own, moulage::view_of(distances));
+        const std::vector<double> distances = person.distances_to(markers);
+        set_quality(own, distances);
     }
 
     const MlgReshapingSummary summary = result.summary();

@@ -94,7 +94,7 @@ FilterMoulage::Figures FilterMoulage::separate(const RichParameterList &paramete
         problem.add_body(name, moulage::TetMesh(tets.points(), tets.tets()), surface);
         if (const MeshModel *markers = scene.markers[b]) {
             const std::vector<double> points = points_in_scene(*markers);
-            problem.set_markers(b, moulage::view_of(points));
+            problem.set_markers(b, points);
         }
     }
     for (const MeshModel *obstacle : scene.obstacles)
@@ -102,9 +102,9 @@ FilterMoulage::Figures FilterMoulage::separate(const RichParameterList &paramete
     MlgSeparationOptions options = moulage::separation_options();
     options.gap = double(parameters.getAbsPerc("gap"));
     options.rings = static_cast<std::uint32_t>(std::max(0, parameters.getInt("rings")));
-    const moulage::Run run = problem.start(options);
+    const auto run = problem.start(options);
     follow(run, callback);
-    const moulage::SeparationResult result = run.wait_separation();
+    const moulage::SeparationResult result = run.wait();
 
     int moved = 0;
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {

@@ -2,11 +2,9 @@
 // shape so far.
 //
 //   reshape_cpp TEMPLATE.obj MARKERS.csv OUT.obj [TOLERANCE]
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <thread>
 
 #include "moulage.hpp"
 
@@ -25,11 +23,11 @@ void reshape(int argc, char **argv) {
     auto options = moulage::reshaping_options();
     if (argc > 4) options.tolerance = std::atof(argv[4]);
 
-    const moulage::Run run = problem.start(options);
-    for (auto now = run.poll(); now.state == MLG_RUN_RUNNING; now = run.poll()) {
+    const auto run = problem.start(options);
+    while (!run.wait_for(0.1)) {
+        const auto now = run.poll();
         std::fprintf(stderr, "\r%3.0f %% %-30s mean %.3f ", 100 * now.fraction, now.stage, now.mean_error);
         if (interrupted) run.cancel();
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
     const moulage::ReshapingResult result = run.wait();
     const auto summary = result.summary();

@@ -7,9 +7,8 @@
     result.points
 """
 
-from .interface import CANCELLED
 from .motions import Motion
-from .native import Error, LibraryError, library
+from .native import CANCELLED, Error, LibraryError, library
 from .registration import Registration, RegistrationResult
 from .reshaping import Reshaping, ReshapingResult, default_options
 from .separation import Separation, SeparationResult

@@ -1,39 +1,75 @@
-"""What include/moulage.h declares, for ctypes: constants, structs, functions. tests/python compares the two."""
+"""What include/moulage.h declares, for ctypes: constants, structs, functions. Made by python/make_interface.py; do not
+edit. Handles and arrays travel as plain addresses; `native` makes them."""
 
-import ctypes
-from ctypes import POINTER, Structure, c_char, c_char_p, c_double, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
+from ctypes import (
+    POINTER, Structure, c_char, c_char_p, c_double, c_float, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p,
+)
 
-from . import whole_numbers
+from .versioned import Versioned
 
 ABI_VERSION = 1
-
-TETS = {"auto": 0, "tetgen": 1, "lattice": 2, "given": 3}
-STOPS = ("settled", "tolerance_met", "no_step", "iteration_limit", "cancelled")
-ENDINGS = ("parted", "stalled", "cancelled")
-ALIGN = {"rigid": 0, "similarity": 1}
-NO_VERTEX = 0xFFFFFFFF
+VERSION_MAJOR = 0
+VERSION_MINOR = 1
+VERSION_PATCH = 0
+ERROR_MESSAGE_SIZE = 512
+RUN_RUNNING = 0
 RUN_ENDED = 1
-CANCELLED = 1
+STAGE_SIZE = 64
+TETS_AUTO = 0
+TETS_TETGEN = 1
+TETS_LATTICE = 2
+TETS_GIVEN = 3
+NO_VERTEX = 4294967295
+ALIGN_RIGID = 0
+ALIGN_SIMILARITY = 1
+TETS = {"auto": TETS_AUTO, "tetgen": TETS_TETGEN, "lattice": TETS_LATTICE, "given": TETS_GIVEN}
+ALIGN = {"rigid": ALIGN_RIGID, "similarity": ALIGN_SIMILARITY}
+STATUS = (
+    "ok",
+    "cancelled",
+    "null_argument",
+    "invalid_argument",
+    "unsupported",
+    "io",
+    "parse",
+    "singular",
+    "diverged",
+    "panic",
+    "external_program",
+)
+STOP = (
+    "settled",
+    "tolerance_met",
+    "no_step",
+    "iteration_limit",
+    "cancelled",
+)
+ENDING = (
+    "parted",
+    "stalled",
+    "cancelled",
+)
 
 
 class MlgError(Structure):
-    _fields_ = [("status", c_uint32), ("message", c_char * 512)]
+    _fields_ = [
+        ("status", c_uint32),
+        ("message", c_char * 512),
+    ]
 
 
-class Versioned(Structure):
-    """A struct whose first field is its size."""
-
-    def __init__(self):
-        super().__init__()
-        self.struct_size = ctypes.sizeof(self)
-
-    def __setattr__(self, name, value):
-        kind = dict(self._fields_).get(name)
-        super().__setattr__(name, whole_numbers.whole(kind, value, name) if kind in whole_numbers.KINDS else value)
-
-    def fields(self):
-        """The values by name, without the size."""
-        return {name: getattr(self, name) for name, _ in self._fields_[1:]}
+class MlgProgress(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("state", c_uint32),
+        ("iteration", c_uint32),
+        ("fraction", c_double),
+        ("energy", c_double),
+        ("mean_error", c_double),
+        ("max_error", c_double),
+        ("seconds", c_double),
+        ("stage", c_char * 64),
+    ]
 
 
 class MlgTetrahedralizationOptions(Versioned):
@@ -74,44 +110,6 @@ class MlgReshapingOptions(Versioned):
         ("paper", c_uint32),
         ("reverse_term", c_uint32),
         ("reserved", c_uint32),
-    ]
-
-
-class MlgProgress(Versioned):
-    _fields_ = [
-        ("struct_size", c_size_t),
-        ("state", c_uint32),
-        ("iteration", c_uint32),
-        ("fraction", c_double),
-        ("energy", c_double),
-        ("mean_error", c_double),
-        ("max_error", c_double),
-        ("seconds", c_double),
-        ("stage", c_char * 64),
-    ]
-
-
-class MlgVolumeInfo(Versioned):
-    _fields_ = [
-        ("struct_size", c_size_t),
-        ("size", c_size_t * 3),
-        ("world_from_voxel", c_double * 12),
-        ("spacing", c_double * 3),
-        ("range", c_double * 2),
-        ("window", c_double * 2),
-        ("box_low", c_double * 3),
-        ("box_high", c_double * 3),
-    ]
-
-
-class MlgSlicePlane(Versioned):
-    _fields_ = [
-        ("struct_size", c_size_t),
-        ("corner", c_double * 3),
-        ("right", c_double * 3),
-        ("down", c_double * 3),
-        ("width", c_size_t),
-        ("height", c_size_t),
     ]
 
 
@@ -172,6 +170,42 @@ class MlgSeparatedBody(Versioned):
     ]
 
 
+class MlgVolumeInfo(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("size", c_size_t * 3),
+        ("world_from_voxel", c_double * 12),
+        ("spacing", c_double * 3),
+        ("range", c_double * 2),
+        ("window", c_double * 2),
+        ("box_low", c_double * 3),
+        ("box_high", c_double * 3),
+    ]
+
+
+class MlgSlicePlane(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("corner", c_double * 3),
+        ("right", c_double * 3),
+        ("down", c_double * 3),
+        ("width", c_size_t),
+        ("height", c_size_t),
+    ]
+
+
+class MlgVolumeGrid(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("size", c_size_t * 3),
+        ("spacing", c_double * 3),
+        ("origin", c_double * 3),
+        ("directions", c_double * 9),
+        ("lps", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
 class MlgClicks(Versioned):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -179,14 +213,6 @@ class MlgClicks(Versioned):
         ("spacing", c_double),
         ("jitter", c_double),
         ("seed", c_uint64),
-    ]
-
-
-class MlgBone(Versioned):
-    _fields_ = [
-        ("struct_size", c_size_t),
-        ("name", c_char_p),
-        ("surface", c_void_p),
     ]
 
 
@@ -203,6 +229,14 @@ class MlgJoint(Versioned):
         ("negative_limits", c_double * 3),
         ("positive_limits", c_double * 3),
         ("shift_limit", c_double),
+    ]
+
+
+class MlgBone(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("name", c_char_p),
+        ("surface", c_void_p),
     ]
 
 
@@ -255,163 +289,188 @@ class MlgJointPose(Versioned):
     ]
 
 
-# Handles and arrays travel as plain addresses: `pointer` and `array` below make them.
-_HANDLE, _ARRAY, _OUT, _ERROR = c_void_p, c_void_p, POINTER(c_void_p), POINTER(MlgError)
-_COUNT, _OUT_COUNT, _PATH = c_size_t, POINTER(c_size_t), c_char_p
-_PAIRS = (_HANDLE, _ARRAY, _ARRAY, _ARRAY, _COUNT, _ERROR)
-_GETTER = (_HANDLE, _OUT_COUNT)
-
 # Functions that return a status; the last argument is the error.
 CALLS = {
-    "tri_mesh_new": (_ARRAY, _COUNT, _ARRAY, _COUNT, _OUT, _ERROR),
-    "tri_mesh_load": (_PATH, _OUT, _ERROR),
-    "tri_mesh_save": (_HANDLE, _ARRAY, _COUNT, _PATH, _ERROR),
-    "tri_mesh_check": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
+    "tri_mesh_new": (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "tri_mesh_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "tri_mesh_save": (c_void_p, c_void_p, c_size_t, c_char_p, POINTER(MlgError)),
+    "tri_mesh_check": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "tet_mesh_new": (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "tet_mesh_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "tet_mesh_save": (c_void_p, c_char_p, POINTER(MlgError)),
+    "tri_mesh_distances_to_points": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "tri_mesh_distances_of_points": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "markers_new": (c_void_p, c_void_p, POINTER(c_char_p), c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "markers_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "markers_save": (c_void_p, c_char_p, POINTER(MlgError)),
+    "run_poll": (c_void_p, POINTER(MlgProgress), POINTER(MlgError)),
+    "run_wait_for": (c_void_p, c_double, c_void_p, POINTER(MlgError)),
+    "run_preview_points": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "tetrahedralization_run": (c_void_p, POINTER(MlgTetrahedralizationOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "tetrahedralization_start": (c_void_p, POINTER(MlgTetrahedralizationOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "run_wait_tetrahedralization": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "tetrahedralization_from_tets": (c_void_p, c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "tetrahedralization_quality": (c_void_p, POINTER(MlgTetQuality), POINTER(MlgError)),
+    "reshaping_new": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "reshaping_set_markers": (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "reshaping_set_landmarks": (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "reshaping_set_landmarks_at_vertices": (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "reshaping_set_attachments": (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "reshaping_set_attachments_at_vertices": (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "reshaping_set_fixed": (c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "pairs_load_landmarks": (c_void_p, c_char_p, c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "pairs_load_attachments": (c_void_p, c_char_p, c_uint32, POINTER(c_void_p), POINTER(MlgError)),
+    "pairs_from_bone": (c_void_p, c_void_p, c_void_p, c_double, POINTER(c_void_p), POINTER(MlgError)),
+    "reshaping_set_landmark_pairs": (c_void_p, c_void_p, POINTER(MlgError)),
+    "reshaping_set_attachment_pairs": (c_void_p, c_void_p, POINTER(MlgError)),
+    "reshaping_load_fixed": (c_void_p, c_char_p, POINTER(MlgError)),
     "tri_mesh_align": (
-        _HANDLE, c_uint32, _ARRAY, _COUNT, _ARRAY, _ARRAY, _COUNT, _ARRAY, _ERROR,
+        c_void_p, c_uint32, c_void_p, c_size_t, c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError),
     ),
-    "tri_mesh_section": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ARRAY, _OUT, _ERROR),
-    "tet_mesh_new": (_ARRAY, _COUNT, _ARRAY, _COUNT, _OUT, _ERROR),
-    "tet_mesh_load": (_PATH, _OUT, _ERROR),
-    "tet_mesh_save": (_HANDLE, _PATH, _ERROR),
-    "markers_new": (_ARRAY, _ARRAY, POINTER(c_char_p), _COUNT, _OUT, _ERROR),
-    "markers_save": (_HANDLE, _PATH, _ERROR),
-    "markers_load": (_PATH, _OUT, _ERROR),
-    "tetrahedralization_run": (_HANDLE, POINTER(MlgTetrahedralizationOptions), _OUT, _ERROR),
-    "tetrahedralization_start": (_HANDLE, POINTER(MlgTetrahedralizationOptions), _OUT, _ERROR),
-    "tetrahedralization_from_tets": (_HANDLE, _HANDLE, _OUT, _ERROR),
-    "tetrahedralization_quality": (_HANDLE, POINTER(MlgTetQuality), _ERROR),
-    "pairs_load_landmarks": (_HANDLE, _PATH, _PATH, _OUT, _ERROR),
-    "pairs_load_attachments": (_HANDLE, _PATH, c_uint32, _OUT, _ERROR),
-    "pairs_from_bone": (_HANDLE, _HANDLE, _HANDLE, c_double, _OUT, _ERROR),
-    "reshaping_new": (_HANDLE, _OUT, _ERROR),
-    "reshaping_set_markers": (_HANDLE, _ARRAY, _ARRAY, _COUNT, _ERROR),
-    "reshaping_set_landmarks": _PAIRS,
-    "reshaping_set_landmarks_at_vertices": _PAIRS,
-    "reshaping_set_attachments": _PAIRS,
-    "reshaping_set_attachments_at_vertices": _PAIRS,
-    "reshaping_set_fixed": (_HANDLE, _ARRAY, _COUNT, _ERROR),
-    "reshaping_check": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
-    "reshaping_start": (_HANDLE, POINTER(MlgReshapingOptions), _OUT, _ERROR),
-    "reshaping_start_again": (_HANDLE, _HANDLE, POINTER(MlgReshapingOptions), _OUT, _ERROR),
-    "run_poll": (_HANDLE, POINTER(MlgProgress), _ERROR),
-    "run_preview_points": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
-    "run_wait_tetrahedralization": (_HANDLE, _OUT, _ERROR),
-    "run_wait_reshaping": (_HANDLE, _OUT, _ERROR),
-    "separation_new": (_OUT, _ERROR),
-    "separation_add_body": (_HANDLE, _PATH, _HANDLE, _HANDLE, _ERROR),
-    "separation_add_result": (_HANDLE, _PATH, _HANDLE, _ERROR),
-    "separation_add_obstacle": (_HANDLE, _PATH, _HANDLE, _ERROR),
-    "separation_set_markers": (_HANDLE, _COUNT, _ARRAY, _COUNT, _ERROR),
-    "separation_start": (_HANDLE, POINTER(MlgSeparationOptions), _OUT, _ERROR),
-    "run_wait_separation": (_HANDLE, _OUT, _ERROR),
-    "separation_result_summary": (_HANDLE, POINTER(MlgSeparationSummary), _ERROR),
-    "separation_result_overlap": (_HANDLE, _COUNT, POINTER(MlgOverlap), _ERROR),
-    "separation_result_body": (_HANDLE, _COUNT, POINTER(MlgSeparatedBody), _ERROR),
-    "volume_load": (_PATH, _OUT, _ERROR),
-    "volume_info": (_HANDLE, POINTER(MlgVolumeInfo), _ERROR),
-    "volume_notes": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
-    "volume_plane": (_HANDLE, _ARRAY, c_double, c_double, POINTER(MlgSlicePlane), _ERROR),
-    "volume_slice": (_HANDLE, POINTER(MlgSlicePlane), _ARRAY, c_uint32, _ARRAY, _COUNT, _ERROR),
-    "volume_labels": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
-    "volume_label_markers": (_HANDLE, c_uint32, _ARRAY, _COUNT, POINTER(MlgClicks), _OUT, _ERROR),
-    "volume_label_surface": (_HANDLE, c_uint32, _OUT, _ERROR),
-    "skeleton_new": (POINTER(MlgBone), _COUNT, POINTER(MlgJoint), _COUNT, _OUT, _ERROR),
-    "skeleton_load": (_PATH, _OUT, _ERROR),
-    "skeleton_save": (_HANDLE, _PATH, _ERROR),
-    "skeleton_save_motion": (_HANDLE, _PATH, POINTER(c_char_p), _COUNT, c_double, _PATH, _ERROR),
-    "skeleton_save_osim": (_HANDLE, _PATH, _PATH, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
-    "motion_new": (_HANDLE, POINTER(c_char_p), _COUNT, _ARRAY, _ARRAY, _COUNT, _OUT, _ERROR),
-    "motion_load": (_HANDLE, _PATH, POINTER(c_char_p), _COUNT, _OUT, _ERROR),
-    "motion_save": (_HANDLE, _PATH, _ERROR),
-    "skeleton_joint": (_HANDLE, _COUNT, POINTER(MlgJoint), _ERROR),
-    "shape_model_fit": (_HANDLE, _ARRAY, _COUNT, _OUT, _ERROR),
-    "shape_model_left_out": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ERROR),
-    "shape_model_load": (_HANDLE, _PATH, _OUT, _ERROR),
-    "shape_model_save": (_HANDLE, _PATH, _ERROR),
-    "shape_model_shape": (_HANDLE, _ARRAY, _COUNT, _OUT, _ERROR),
-    "registration_new": (_HANDLE, _OUT, _ERROR),
-    "registration_set_target": (_HANDLE, _HANDLE, _ERROR),
-    "registration_set_bone_target": (_HANDLE, _COUNT, _HANDLE, _ERROR),
-    "registration_set_image": (_HANDLE, _HANDLE, _HANDLE, _ERROR),
-    "registration_set_shape_model": (_HANDLE, _HANDLE, _ERROR),
-    "registration_start": (_HANDLE, POINTER(MlgRegistrationOptions), _OUT, _ERROR),
-    "run_wait_registration": (_HANDLE, _OUT, _ERROR),
-    "registration_result_skeleton": (_HANDLE, _OUT, _ERROR),
-    "registration_result_summary": (_HANDLE, POINTER(MlgRegistrationSummary), _ERROR),
-    "registration_result_bone_fit": (_HANDLE, _COUNT, POINTER(MlgBoneFit), _ERROR),
-    "registration_result_joint_pose": (_HANDLE, _COUNT, POINTER(MlgJointPose), _ERROR),
-    "registration_result_carry": (_HANDLE, _HANDLE, _ARRAY, _ERROR),
-    "registration_result_warnings": (_HANDLE, _ARRAY, _COUNT, _OUT_COUNT, _ERROR),
-    "reshaping_result_carry": (_HANDLE, _ARRAY, _COUNT, _ARRAY, _ERROR),
-    "reshaping_result_summary": (_HANDLE, POINTER(MlgReshapingSummary), _ERROR),
-    "reshaping_result_quality": (_HANDLE, POINTER(MlgTetQuality), _ERROR),
+    "reshaping_check": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "reshaping_start": (c_void_p, POINTER(MlgReshapingOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "reshaping_start_again": (c_void_p, c_void_p, POINTER(MlgReshapingOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "run_wait_reshaping": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "reshaping_run": (c_void_p, POINTER(MlgReshapingOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "reshaping_result_carry": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "reshaping_result_save_tets": (c_void_p, c_char_p, POINTER(MlgError)),
+    "reshaping_result_summary": (c_void_p, POINTER(MlgReshapingSummary), POINTER(MlgError)),
+    "reshaping_result_quality": (c_void_p, POINTER(MlgTetQuality), POINTER(MlgError)),
+    "separation_new": (POINTER(c_void_p), POINTER(MlgError)),
+    "separation_add_body": (c_void_p, c_char_p, c_void_p, c_void_p, POINTER(MlgError)),
+    "separation_add_result": (c_void_p, c_char_p, c_void_p, POINTER(MlgError)),
+    "separation_add_obstacle": (c_void_p, c_char_p, c_void_p, POINTER(MlgError)),
+    "separation_set_markers": (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(MlgError)),
+    "separation_start": (c_void_p, POINTER(MlgSeparationOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "run_wait_separation": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "separation_run": (c_void_p, POINTER(MlgSeparationOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "separation_result_summary": (c_void_p, POINTER(MlgSeparationSummary), POINTER(MlgError)),
+    "separation_result_overlap": (c_void_p, c_size_t, POINTER(MlgOverlap), POINTER(MlgError)),
+    "separation_result_body": (c_void_p, c_size_t, POINTER(MlgSeparatedBody), POINTER(MlgError)),
+    "volume_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "volume_info": (c_void_p, POINTER(MlgVolumeInfo), POINTER(MlgError)),
+    "volume_notes": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "volume_plane": (c_void_p, c_void_p, c_double, c_double, POINTER(MlgSlicePlane), POINTER(MlgError)),
+    "volume_slice": (c_void_p, POINTER(MlgSlicePlane), c_void_p, c_uint32, c_void_p, c_size_t, POINTER(MlgError)),
+    "tri_mesh_section": (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "volume_new": (c_void_p, POINTER(MlgVolumeGrid), POINTER(c_void_p), POINTER(MlgError)),
+    "volume_labels": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "volume_outlines": (c_void_p, c_uint32, POINTER(MlgSlicePlane), POINTER(c_void_p), POINTER(MlgError)),
+    "volume_label_markers": (
+        c_void_p, c_uint32, c_void_p, c_size_t, POINTER(MlgClicks), POINTER(c_void_p), POINTER(MlgError),
+    ),
+    "volume_label_surface": (c_void_p, c_uint32, POINTER(c_void_p), POINTER(MlgError)),
+    "skeleton_new": (POINTER(MlgBone), c_size_t, POINTER(MlgJoint), c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "skeleton_joint": (c_void_p, c_size_t, POINTER(MlgJoint), POINTER(MlgError)),
+    "skeleton_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "skeleton_save": (c_void_p, c_char_p, POINTER(MlgError)),
+    "skeleton_save_motion": (c_void_p, c_char_p, POINTER(c_char_p), c_size_t, c_double, c_char_p, POINTER(MlgError)),
+    "skeleton_save_osim": (c_void_p, c_char_p, c_char_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "motion_new": (
+        c_void_p, POINTER(c_char_p), c_size_t, c_void_p, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError),
+    ),
+    "motion_load": (c_void_p, c_char_p, POINTER(c_char_p), c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "motion_save": (c_void_p, c_char_p, POINTER(MlgError)),
+    "shape_model_fit": (c_void_p, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "shape_model_left_out": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "shape_model_load": (c_void_p, c_char_p, POINTER(c_void_p), POINTER(MlgError)),
+    "shape_model_save": (c_void_p, c_char_p, POINTER(MlgError)),
+    "shape_model_shape": (c_void_p, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "registration_new": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "registration_set_target": (c_void_p, c_void_p, POINTER(MlgError)),
+    "registration_set_bone_target": (c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "registration_set_image": (c_void_p, c_void_p, c_void_p, POINTER(MlgError)),
+    "registration_set_shape_model": (c_void_p, c_void_p, POINTER(MlgError)),
+    "registration_start": (c_void_p, POINTER(MlgRegistrationOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "run_wait_registration": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "registration_run": (c_void_p, POINTER(MlgRegistrationOptions), POINTER(c_void_p), POINTER(MlgError)),
+    "registration_result_skeleton": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
+    "registration_result_summary": (c_void_p, POINTER(MlgRegistrationSummary), POINTER(MlgError)),
+    "registration_result_bone_fit": (c_void_p, c_size_t, POINTER(MlgBoneFit), POINTER(MlgError)),
+    "registration_result_joint_pose": (c_void_p, c_size_t, POINTER(MlgJointPose), POINTER(MlgError)),
+    "registration_result_carry": (c_void_p, c_void_p, c_void_p, POINTER(MlgError)),
+    "registration_result_warnings": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
 }
 # Functions that return a value: its type, then the arguments.
 GETTERS = {
     "abi_version": (c_uint32,),
     "version_string": (c_char_p,),
-    "tetrahedralization_options_init": (
-        c_uint32, POINTER(MlgTetrahedralizationOptions), c_size_t,
-    ),
+    "status_name": (c_char_p, c_uint32),
+    "tri_mesh_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "tri_mesh_triangles": (POINTER(c_uint32), c_void_p, POINTER(c_size_t)),
+    "tri_mesh_free": (None, c_void_p),
+    "tet_mesh_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "tet_mesh_tets": (POINTER(c_uint32), c_void_p, POINTER(c_size_t)),
+    "tet_mesh_free": (None, c_void_p),
+    "markers_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "markers_weights": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "markers_label": (c_char_p, c_void_p, c_size_t),
+    "markers_free": (None, c_void_p),
+    "run_cancel": (None, c_void_p),
+    "run_free": (None, c_void_p),
+    "tetrahedralization_options_init": (c_uint32, POINTER(MlgTetrahedralizationOptions), c_size_t),
+    "tetrahedralization_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "tetrahedralization_tets": (POINTER(c_uint32), c_void_p, POINTER(c_size_t)),
+    "tetrahedralization_inside_fractions": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "tetrahedralization_method": (c_uint32, c_void_p),
+    "tetrahedralization_boundary_kept": (c_uint32, c_void_p),
+    "tetrahedralization_warning_count": (c_size_t, c_void_p),
+    "tetrahedralization_warning": (c_char_p, c_void_p, c_size_t),
+    "tetrahedralization_free": (None, c_void_p),
     "reshaping_options_init": (c_uint32, POINTER(MlgReshapingOptions), c_size_t),
+    "reshaping_free": (None, c_void_p),
+    "pairs_template_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "pairs_template_vertices": (POINTER(c_uint32), c_void_p, POINTER(c_size_t)),
+    "pairs_targets": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "pairs_weights": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "pairs_label": (c_char_p, c_void_p, c_size_t),
+    "pairs_warning": (c_char_p, c_void_p),
+    "pairs_free": (None, c_void_p),
+    "stop_name": (c_char_p, c_uint32),
+    "reshaping_result_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_tet_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_plastic_strains": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_max_stretches": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_min_stretches": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_free": (None, c_void_p),
+    "reshaping_result_marker_distances": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_landmark_distances": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_attachment_distances": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "separation_options_init": (c_uint32, POINTER(MlgSeparationOptions), c_size_t),
-    "separation_result_points": (POINTER(c_double), _HANDLE, c_size_t, _OUT_COUNT),
-    "separation_result_tet_points": (POINTER(c_double), _HANDLE, c_size_t, _OUT_COUNT),
+    "separation_free": (None, c_void_p),
+    "ending_name": (c_char_p, c_uint32),
+    "separation_result_points": (POINTER(c_double), c_void_p, c_size_t, POINTER(c_size_t)),
+    "separation_result_tet_points": (POINTER(c_double), c_void_p, c_size_t, POINTER(c_size_t)),
+    "separation_result_free": (None, c_void_p),
+    "volume_free": (None, c_void_p),
+    "polylines_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "polylines_starts": (POINTER(c_size_t), c_void_p, POINTER(c_size_t)),
+    "polylines_closed": (POINTER(c_uint8), c_void_p, POINTER(c_size_t)),
+    "polylines_free": (None, c_void_p),
+    "volume_grid_init": (c_uint32, POINTER(MlgVolumeGrid), c_size_t),
+    "volume_values": (POINTER(c_float), c_void_p, POINTER(c_size_t)),
     "clicks_init": (c_uint32, POINTER(MlgClicks), c_size_t),
     "joint_init": (c_uint32, POINTER(MlgJoint), c_size_t),
+    "skeleton_free": (None, c_void_p),
+    "skeleton_bone_count": (c_size_t, c_void_p),
+    "skeleton_joint_count": (c_size_t, c_void_p),
+    "skeleton_bone_name": (c_char_p, c_void_p, c_size_t),
+    "skeleton_bone_points": (POINTER(c_double), c_void_p, c_size_t, POINTER(c_size_t)),
+    "skeleton_bone_triangles": (POINTER(c_uint32), c_void_p, c_size_t, POINTER(c_size_t)),
+    "skeleton_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "skeleton_angles": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "skeleton_angle_name": (c_char_p, c_void_p, c_size_t),
+    "skeleton_notes": (c_char_p, c_void_p),
+    "motion_times": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "motion_angles": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "motion_angle_name": (c_char_p, c_void_p, c_size_t),
+    "motion_notes": (c_char_p, c_void_p),
+    "motion_free": (None, c_void_p),
+    "shape_model_deviations": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "shape_model_explained": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "shape_model_free": (None, c_void_p),
     "registration_options_init": (c_uint32, POINTER(MlgRegistrationOptions), c_size_t),
-    "tri_mesh_points": (POINTER(c_double), *_GETTER),
-    "tri_mesh_triangles": (POINTER(c_uint32), *_GETTER),
-    "tet_mesh_points": (POINTER(c_double), *_GETTER),
-    "tet_mesh_tets": (POINTER(c_uint32), *_GETTER),
-    "markers_points": (POINTER(c_double), *_GETTER),
-    "markers_weights": (POINTER(c_double), *_GETTER),
-    "markers_label": (c_char_p, _HANDLE, c_size_t),
-    "pairs_template_points": (POINTER(c_double), *_GETTER),
-    "pairs_template_vertices": (POINTER(c_uint32), *_GETTER),
-    "pairs_targets": (POINTER(c_double), *_GETTER),
-    "pairs_weights": (POINTER(c_double), *_GETTER),
-    "pairs_label": (c_char_p, _HANDLE, c_size_t),
-    "pairs_warning": (c_char_p, _HANDLE),
-    "tetrahedralization_points": (POINTER(c_double), *_GETTER),
-    "tetrahedralization_tets": (POINTER(c_uint32), *_GETTER),
-    "tetrahedralization_inside_fractions": (POINTER(c_double), *_GETTER),
-    "tetrahedralization_method": (c_uint32, _HANDLE),
-    "tetrahedralization_boundary_kept": (c_uint32, _HANDLE),
-    "tetrahedralization_warning_count": (c_size_t, _HANDLE),
-    "tetrahedralization_warning": (c_char_p, _HANDLE, c_size_t),
-    "reshaping_result_points": (POINTER(c_double), *_GETTER),
-    "reshaping_result_tet_points": (POINTER(c_double), *_GETTER),
-    "reshaping_result_plastic_strains": (POINTER(c_double), *_GETTER),
-    "reshaping_result_marker_distances": (POINTER(c_double), *_GETTER),
-    "reshaping_result_max_stretches": (POINTER(c_double), *_GETTER),
-    "reshaping_result_min_stretches": (POINTER(c_double), *_GETTER),
-    "polylines_points": (POINTER(c_double), *_GETTER),
-    "polylines_starts": (POINTER(c_size_t), *_GETTER),
-    "polylines_closed": (POINTER(c_uint8), *_GETTER),
-    "skeleton_bone_count": (c_size_t, _HANDLE),
-    "skeleton_joint_count": (c_size_t, _HANDLE),
-    "skeleton_bone_name": (c_char_p, _HANDLE, c_size_t),
-    "skeleton_bone_points": (POINTER(c_double), _HANDLE, c_size_t, _OUT_COUNT),
-    "skeleton_bone_triangles": (POINTER(c_uint32), _HANDLE, c_size_t, _OUT_COUNT),
-    "skeleton_points": (POINTER(c_double), *_GETTER),
-    "skeleton_angles": (POINTER(c_double), *_GETTER),
-    "skeleton_angle_name": (c_char_p, _HANDLE, c_size_t),
-    "skeleton_notes": (c_char_p, _HANDLE),
-    "motion_times": (POINTER(c_double), *_GETTER),
-    "motion_angles": (POINTER(c_double), *_GETTER),
-    "motion_angle_name": (c_char_p, _HANDLE, c_size_t),
-    "motion_notes": (c_char_p, _HANDLE),
-    "shape_model_deviations": (POINTER(c_double), *_GETTER),
-    "shape_model_explained": (POINTER(c_double), *_GETTER),
-    "registration_result_coefficients": (POINTER(c_double), *_GETTER),
-    "run_cancel": (None, _HANDLE),
-    **{
-        f"{kind}_free": (None, _HANDLE)
-        for kind in ("tri_mesh", "tet_mesh", "markers", "pairs", "tetrahedralization", "reshaping",
-                     "run", "reshaping_result", "volume", "polylines", "skeleton", "registration",
-                     "registration_result", "separation", "separation_result",
-                     "shape_model", "motion")
-    },
+    "registration_free": (None, c_void_p),
+    "registration_result_coefficients": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "registration_result_free": (None, c_void_p),
 }

@@ -9,8 +9,12 @@ from pathlib import Path
 
 import numpy
 
-from .interface import ABI_VERSION, CALLS, GETTERS, MlgError, MlgSlicePlane
+from .interface import ABI_VERSION, CALLS, GETTERS, STATUS, MlgError, MlgSlicePlane
 from .whole_numbers import checked
+
+
+# The `status` of the Error of a run that was cancelled before it had a result.
+CANCELLED = STATUS.index("cancelled")
 
 
 class LibraryError(ImportError):
@@ -106,11 +110,6 @@ def _load(path):
             f"The moulage library {path} is older than this package ({error}). Install moulage again."
         ) from None
     return found
-
-
-def size_of(struct):
-    """Bytes of a struct, as its first field says them."""
-    return ctypes.sizeof(struct)
 
 
 def get(name, *arguments):

@@ -4,7 +4,7 @@ import numpy
 
 from . import interface, native
 from .native import address, array
-from .shapes import Handle, checked_weights
+from .shapes import Handle, Pairs, checked_weights
 from .tets import Run, follow, quality
 
 
@@ -31,17 +31,17 @@ class Reshaping(Handle):
             "reshaping_set_markers", self._handle, address(points), address(weights), len(points)
         )
 
-    def set_landmarks(self, template_points, targets, weights=None):
-        """Points on or in the template, and where they are on the person."""
-        self._pairs("reshaping_set_landmarks", template_points, targets, weights)
+    def set_landmarks(self, template_points, targets=None, weights=None):
+        """Points on or in the template, and where they are on the person; or Pairs, with their weights and names."""
+        self._pairs("landmark", template_points, targets, weights)
 
     def set_landmarks_at_vertices(self, vertices, targets, weights=None):
         """The same, the template points being vertices of the surface."""
         self._vertex_pairs("reshaping_set_landmarks_at_vertices", vertices, targets, weights)
 
-    def set_attachments(self, template_points, targets, weights=None):
-        """Template points that are held at their targets mechanically."""
-        self._pairs("reshaping_set_attachments", template_points, targets, weights)
+    def set_attachments(self, template_points, targets=None, weights=None):
+        """Template points that are held at their targets mechanically; or Pairs."""
+        self._pairs("attachment", template_points, targets, weights)
 
     def set_attachments_at_vertices(self, vertices, targets, weights=None):
         """The same, the template points being vertices of the surface."""
@@ -51,6 +51,10 @@ class Reshaping(Handle):
         """Vertices of the surface that stay where they are."""
         vertices = array(vertices, 1, numpy.uint32, "vertices")
         native.call("reshaping_set_fixed", self._handle, address(vertices), len(vertices))
+
+    def load_fixed(self, path):
+        """The same, read from a .csv file with the column vertex, or x, y, z, or both."""
+        native.call("reshaping_load_fixed", self._handle, native.path(path))
 
     def check(self):
         """What may be a mistake, one sentence each, such as two units or contradictory landmarks; raises
@@ -76,9 +80,14 @@ class Reshaping(Handle):
         it returns False the run stops and the best shape so far is the result."""
         return follow(self.start(**options), progress)
 
-    def _pairs(self, function, template_points, targets, weights):
-        template = array(template_points, 3, numpy.float64, "template_points")
-        self._set_pairs(function, template, targets, weights)
+    def _pairs(self, kind, template_points, targets, weights):
+        if not isinstance(template_points, Pairs):
+            template = array(template_points, 3, numpy.float64, "template_points")
+            self._set_pairs(f"reshaping_set_{kind}s", template, targets, weights)
+        elif targets is not None or weights is not None:
+            raise TypeError("Pairs have their targets and weights; give nothing beside them")
+        else:
+            native.call(f"reshaping_set_{kind}_pairs", self._handle, template_points._handle)
 
     def _vertex_pairs(self, function, vertices, targets, weights):
         self._set_pairs(function, array(vertices, 1, numpy.uint32, "vertices"), targets, weights)
@@ -119,6 +128,16 @@ class ReshapingResult(Handle):
         return native.borrowed("reshaping_result_marker_distances", self._handle, 1, numpy.float64)
 
     @property
+    def landmark_distances(self):
+        """The distance of each landmark's place on the result to its target."""
+        return native.borrowed("reshaping_result_landmark_distances", self._handle, 1, numpy.float64)
+
+    @property
+    def attachment_distances(self):
+        """The distance of each attachment's place on the result to its target."""
+        return native.borrowed("reshaping_result_attachment_distances", self._handle, 1, numpy.float64)
+
+    @property
     def max_stretches(self):
         """The largest principal stretch at each vertex of the surface; 1: not stretched."""
         return native.borrowed("reshaping_result_max_stretches", self._handle, 1, numpy.float64)
@@ -136,13 +155,17 @@ class ReshapingResult(Handle):
         )
         return points
 
+    def save_tets(self, path):
+        """Writes the deformed tets as .vtu (for ParaView) with strains, stretches and the shape at rest."""
+        native.call("reshaping_result_save_tets", self._handle, native.path(path))
+
     @property
     def summary(self):
         """A dict: stop, iterations, inverted_tets, mean_marker_distance, ..., seconds."""
         found = native.fill(
             "reshaping_result_summary", self._handle, interface.MlgReshapingSummary()
         )
-        found["stop"] = interface.STOPS[found["stop"]]
+        found["stop"] = interface.STOP[found["stop"]]
         return found
 
     @property

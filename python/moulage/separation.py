@@ -65,7 +65,7 @@ class SeparationResult(Handle):
     def summary(self):
         """A dict: ending (parted, stalled or cancelled), separated, rounds, overlap_count, seconds."""
         found = native.fill("separation_result_summary", self._handle, interface.MlgSeparationSummary())
-        found["ending"] = interface.ENDINGS[found["ending"]]
+        found["ending"] = interface.ENDING[found["ending"]]
         found["separated"] = found["separated"] == 1
         return found
 

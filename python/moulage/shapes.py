@@ -78,6 +78,24 @@ class TriMesh(Handle):
         )
         return motion
 
+    def distances_to(self, points):
+        """The distance of each vertex to the nearest of some points (n, 3): how well markers support each place."""
+        points = array(points, 3, numpy.float64, "points")
+        distances = numpy.empty(len(self.points))
+        native.call(
+            "tri_mesh_distances_to_points", self._handle, address(points), len(points), address(distances)
+        )
+        return distances
+
+    def distances_of(self, points):
+        """The distance of each of some points (n, 3) to the surface: how well a result meets its markers."""
+        points = array(points, 3, numpy.float64, "points")
+        distances = numpy.empty(len(points))
+        native.call(
+            "tri_mesh_distances_of_points", self._handle, address(points), len(points), address(distances)
+        )
+        return distances
+
     def check(self):
         """What is wrong with it, one sentence each; empty for a clean, closed surface."""
         return native.text("tri_mesh_check", self._handle).splitlines()
@@ -156,6 +174,7 @@ class Pairs(Handle):
     `weights` (n,), `labels`. For landmarks and attachments."""
 
     kind = "pairs"
+    NO_VERTEX = interface.NO_VERTEX
 
     @classmethod
     def load_landmarks(cls, surface, path, person_path=None):
@@ -181,6 +200,11 @@ class Pairs(Handle):
     @property
     def template_points(self):
         return native.borrowed("pairs_template_points", self._handle, 3, numpy.float64)
+
+    @property
+    def template_vertices(self):
+        """The vertex of the template that each place is; NO_VERTEX where it is none."""
+        return native.borrowed("pairs_template_vertices", self._handle, 1, numpy.uint32)
 
     @property
     def targets(self):

@@ -70,7 +70,7 @@ class Skeleton(Handle):
         bones = list(bones)
         given = (interface.MlgBone * len(bones))()
         for place, (name, surface) in zip(given, bones):
-            place.struct_size = native.size_of(interface.MlgBone)
+            place.struct_size = native.ctypes.sizeof(interface.MlgBone)
             place.name, place.surface = name.encode("utf-8"), surface._handle
         structs = [joint._struct() for joint in joints]
         super().__init__(

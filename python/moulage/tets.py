@@ -1,6 +1,5 @@
 """Filling a surface with tets, and runs."""
 
-import time
 from collections import namedtuple
 
 import numpy
@@ -42,6 +41,13 @@ class Run(Handle):
         """Waits for the end and hands the result over, once. Ctrl-C cancels the run."""
         return follow(self)
 
+    def wait_for(self, seconds):
+        """Waits for the end, so long at most, and tells whether it has come; `wait` then hands the result over. Ctrl-C is
+        heard afterwards."""
+        state = native.c_uint32()
+        native.call("run_wait_for", self._handle, seconds, native.byref(state))
+        return state.value == interface.RUN_ENDED
+
     def __enter__(self):
         return self
 
@@ -62,7 +68,7 @@ def follow(run, progress=None):
                 run.cancel()
             if now.ended:
                 return run._hand_over()
-            time.sleep(0.2 if now.seconds > 1 else 0.01)
+            run.wait_for(0.2)
     except BaseException:
         # Ctrl-C, or an error of `progress`: nobody waits any more, though the traceback may keep the run alive.
         run.cancel()

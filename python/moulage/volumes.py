@@ -32,6 +32,31 @@ class Volume(Handle):
     def __init__(self, path):
         super().__init__(native.make("volume_load", native.path(path)))
 
+    @classmethod
+    def from_array(cls, values, spacing=(1, 1, 1), origin=(0, 0, 0), directions=((1, 0, 0), (0, 1, 0), (0, 0, 1)), lps=False):
+        """Of an array (i, j, k): labels, or anything that float32 holds. `spacing`: millimetres along each index. `origin`:
+        the centre of the first voxel. `directions` (3, 3): its columns are those of the indices. `lps`: whether these are
+        in LPS, as ITK has them, or in RAS.
+
+            Volume.from_array(itk.array_from_image(i).T, i.GetSpacing(), i.GetOrigin(), i.GetDirection(), lps=True)
+            Volume.from_array(nifti.get_fdata(), origin=nifti.affine[:3, 3], directions=nifti.affine[:3, :3])
+        """
+        values = numpy.asfortranarray(values, numpy.float32)
+        if values.ndim != 3:
+            raise ValueError(f"values: shape {values.shape} where {('i', 'j', 'k')} is needed")
+        grid = interface.MlgVolumeGrid()
+        native.get("volume_grid_init", native.byref(grid), grid.struct_size)
+        grid.size[:], grid.spacing[:], grid.origin[:] = values.shape, spacing, origin
+        grid.directions[:] = array(directions, 3, numpy.float64, "directions").ravel()
+        grid.lps = int(lps)
+        return cls._take(native.make("volume_new", address(values), native.byref(grid)))
+
+    @property
+    def values(self):
+        """All voxels (i, j, k), float32."""
+        flat = native.borrowed("volume_values", self._handle, 1, numpy.float32)
+        return flat.reshape(self.info["size"], order="F")
+
     @property
     def info(self):
         """A dict: size, world_from_voxel (3, 4), spacing, range, window (width, level), box_low, box_high."""
@@ -62,7 +87,6 @@ class Volume(Handle):
         )
         return pixels
 
-
     @property
     def labels(self):
         """The numbers of a label map, ascending, without 0; raises Error for an image that is none."""
@@ -71,6 +95,10 @@ class Volume(Handle):
         found = numpy.zeros(count.value, numpy.uint32)
         native.call("volume_labels", self._handle, address(found), len(found), native.byref(count))
         return found.tolist()
+
+    def outlines(self, label, plane):
+        """The outlines of a label on a Plane, as `section` gives lines."""
+        return _lines(native.make("volume_outlines", self._handle, label, plane._struct()))
 
     def label_markers(self, label, axes=((0, 0, 1),), **clicks):
         """Markers on the outlines of a label, as a person would click them: Markers. `axes`: one direction per
@@ -98,11 +126,15 @@ def section(surface, plane_point, plane_normal, points=None):
     place = array([plane_point], 3, numpy.float64, "plane_point")
     normal = array([plane_normal], 3, numpy.float64, "plane_normal")
     count = 0 if points is None else len(points)
-    lines = _Polylines._take(
+    return _lines(
         native.make(
             "tri_mesh_section", surface._handle, address(points), count, address(place), address(normal)
         )
     )
+
+
+def _lines(handle):
+    lines = _Polylines._take(handle)
     corners = native.borrowed("polylines_points", lines._handle, 3, numpy.float64)
     starts = native.borrowed("polylines_starts", lines._handle, 1, numpy.uint64).astype(int)
     closed = native.borrowed("polylines_closed", lines._handle, 1, numpy.uint8)

@@ -1,4 +1,4 @@
-//! What every function does at the border: status, error text, no panic.
+//! Statuses and errors: what every function does at the border.
 
 use libc::c_char;
 use std::any::Any;
@@ -63,7 +63,12 @@ pub extern "C" fn mlg_status_name(status: u32) -> *const c_char {
         "PANIC\0",
         "EXTERNAL_PROGRAM\0",
     ];
-    NAMES.get(status as usize).unwrap_or(&"UNKNOWN\0").as_ptr().cast()
+    name_of(&NAMES, status)
+}
+
+/// One of some names that end with a zero.
+pub(super) fn name_of(names: &[&'static str], number: u32) -> *const c_char {
+    names.get(number as usize).unwrap_or(&"UNKNOWN\0").as_ptr().cast()
 }
 
 /// A failed call on its way to the caller.

@@ -1,4 +1,4 @@
-//! Markers from arrays and files.
+//! Markers, from arrays and files.
 
 use libc::c_char;
 use std::ffi::CString;

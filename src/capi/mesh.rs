@@ -1,4 +1,4 @@
-//! Meshes from arrays and files.
+//! Surfaces and tet meshes, from arrays and files.
 
 use libc::c_char;
 

@@ -1,4 +1,4 @@
-//! Places on a template and their targets, read from files or made from bones.
+//! Landmarks and attachments: places on a template and their targets, from files or bones.
 
 use libc::c_char;
 use std::ffi::CString;

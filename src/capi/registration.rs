@@ -8,7 +8,7 @@ use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use super::registration_result::{MlgRegistrationResult, RegistrationResult};
-use super::run::{MlgRun, RunObject, wait_for};
+use super::run::{MlgRun, RunObject, hand_over};
 use super::shape_model::{MlgShapeModel, ModelObject};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::volume::MlgVolume;
@@ -322,7 +322,7 @@ pub unsafe extern "C" fn mlg_run_wait_registration(
     error: *mut MlgError,
 ) -> MlgStatus {
     // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { wait_for::<RegistrationResult, _>(run, out_result, "out_result") })
+    guard(error, || unsafe { hand_over::<RegistrationResult, _>(run, out_result, "out_result") })
 }
 
 /// Registers and returns when it is done: `mlg_registration_start` and `mlg_run_wait_registration` in

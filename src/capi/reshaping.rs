@@ -1,4 +1,4 @@
-//! A reshaping problem and its options.
+//! Reshaping: the problem and its options.
 
 use std::ptr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

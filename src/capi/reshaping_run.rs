@@ -3,7 +3,7 @@
 use super::boundary::{MlgError, MlgStatus, Outcome, guard};
 use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options_of};
 use super::result::{MlgReshapingResult, ReshapingResult};
-use super::run::{MlgRun, RunObject, wait_for};
+use super::run::{MlgRun, RunObject, hand_over};
 use super::{buffers, handles};
 use crate::job::thread_pool;
 use crate::reshape::{Options, Problem, reshape, reshape_again};
@@ -11,7 +11,7 @@ use crate::run::Run;
 
 fn compute(problem: Problem, options: &Options, run: &Run) -> Outcome<ReshapingResult> {
     let reshaped = reshape(&problem, options, run)?;
-    Ok(ReshapingResult::new(problem, reshaped, run.progress().seconds))
+    ReshapingResult::new(problem, reshaped, run.progress().seconds)
 }
 
 /// Starts a reshaping on a thread of its own and returns at once. The problem is copied: it may be
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn mlg_reshaping_start_again(
         let (options, thread_count) = unsafe { options_of(options)? };
         let run = RunObject::start("a reshaping", thread_count, move |run| {
             let reshaped = reshape_again(earlier.reshaped(), &problem, &options, run)?;
-            Ok(ReshapingResult::new(problem, reshaped, run.progress().seconds))
+            ReshapingResult::new(problem, reshaped, run.progress().seconds)
         })?;
         // SAFETY: as above.
         unsafe { buffers::write(out_run, handles::give(run), "out_run") }
@@ -76,7 +76,7 @@ pub unsafe extern "C" fn mlg_run_wait_reshaping(
     error: *mut MlgError,
 ) -> MlgStatus {
     // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { wait_for::<ReshapingResult, _>(run, out_result, "out_result") })
+    guard(error, || unsafe { hand_over::<ReshapingResult, _>(run, out_result, "out_result") })
 }
 
 /// Reshapes and returns when it is done: `mlg_reshaping_start` and `mlg_run_wait_reshaping` in one.

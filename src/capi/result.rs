@@ -2,7 +2,7 @@
 
 use libc::c_char;
 
-use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent};
+use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent, name_of};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::tetrahedralization::MlgTetQuality;
@@ -10,7 +10,7 @@ use crate::job::{marker_distances, vertex_stretches, write_deformed_tets};
 use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::mesh::{TetMesh, TetQuality};
-use crate::reshape::{Problem, Reshaped, Stop};
+use crate::reshape::{Landmark, Problem, Reshaped, Stop, TemplatePoint};
 use crate::separate::Body;
 
 /// A reshaped template. Immutable; may be read from many threads.
@@ -30,6 +30,14 @@ pub enum MlgStop {
     IterationLimit = 3,
     /// The caller asked to stop.
     Cancelled = 4,
+}
+
+/// The name of an `MlgStop`, e.g. "SETTLED"; "UNKNOWN" for other numbers. Static, never NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn mlg_stop_name(stop: u32) -> *const c_char {
+    const NAMES: [&str; 5] =
+        ["SETTLED\0", "TOLERANCE_MET\0", "NO_STEP\0", "ITERATION_LIMIT\0", "CANCELLED\0"];
+    name_of(&NAMES, stop)
 }
 
 /// The course of a reshaping. Lengths are in the template's unit.
@@ -60,19 +68,46 @@ unsafe impl Versioned for MlgReshapingSummary {}
 pub(super) struct ReshapingResult {
     problem: Problem,
     reshaped: Reshaped,
-    marker_distances: Vec<f64>,
+    pub(super) distances: Distances,
     /// Largest and smallest principal stretch at each vertex of the surface.
     stretches: (Vec<f64>, Vec<f64>),
     seconds: f64,
 }
 
-impl ReshapingResult {
-    pub fn new(problem: Problem, reshaped: Reshaped, seconds: f64) -> Self {
+/// How far data are from the result.
+pub(super) struct Distances {
+    pub markers: Vec<f64>,
+    pub landmarks: Vec<f64>,
+    pub attachments: Vec<f64>,
+}
+
+impl Distances {
+    fn new(problem: &Problem, reshaped: &Reshaped) -> Outcome<Self> {
         let markers: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
         let triangles = &problem.surface.triangles;
-        let marker_distances = marker_distances(&reshaped.surface_points, triangles, &markers);
+        Ok(Self {
+            markers: marker_distances(&reshaped.surface_points, triangles, &markers),
+            landmarks: pair_distances(problem, reshaped, &problem.landmarks)?,
+            attachments: pair_distances(problem, reshaped, &problem.attachments)?,
+        })
+    }
+}
+
+fn pair_distances(problem: &Problem, reshaped: &Reshaped, pairs: &[Landmark]) -> Outcome<Vec<f64>> {
+    let at_rest = |pair: &Landmark| match pair.template {
+        TemplatePoint::Vertex(vertex) => problem.surface.points[vertex as usize],
+        TemplatePoint::Position(position) => position,
+    };
+    let places: Vec<Vec3> = pairs.iter().map(at_rest).collect();
+    let moved = Embedding::new(&problem.tets, &places)?.apply(&reshaped.tet_points);
+    Ok(pairs.iter().zip(moved).map(|(pair, now)| (now - pair.target).norm()).collect())
+}
+
+impl ReshapingResult {
+    pub fn new(problem: Problem, reshaped: Reshaped, seconds: f64) -> Outcome<Self> {
+        let distances = Distances::new(&problem, &reshaped)?;
         let stretches = vertex_stretches(&problem.tets, &reshaped.tet_points, &problem.embedding);
-        Self { problem, reshaped, marker_distances, stretches, seconds }
+        Ok(Self { problem, reshaped, distances, stretches, seconds })
     }
 
     pub fn reshaped(&self) -> &Reshaped {
@@ -99,7 +134,7 @@ impl ReshapingResult {
             Stop::IterationLimit => MlgStop::IterationLimit,
             Stop::Cancelled => MlgStop::Cancelled,
         };
-        let distances = &self.marker_distances;
+        let distances = &self.distances.markers;
         MlgReshapingSummary {
             struct_size: size_of::<MlgReshapingSummary>(),
             stop: stop as u32,
@@ -156,21 +191,6 @@ pub unsafe extern "C" fn mlg_reshaping_result_plastic_strains(
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
         // SAFETY: the caller's promise (see the module); the list lives in the table.
         Ok(unsafe { buffers::lend(&result.reshaped.plastic_strain, out_count) })
-    })
-}
-
-/// The distance of each marker to the result: `*out_count` numbers in the markers' order, borrowed
-/// until the result is freed. NULL without markers or for a handle that is not valid. `out_count`:
-/// may be NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_reshaping_result_marker_distances(
-    result: *const MlgReshapingResult,
-    out_count: *mut usize,
-) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.marker_distances, out_count) })
     })
 }
 

@@ -3,9 +3,9 @@
 use libc::c_char;
 use std::any::{Any, TypeId};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use super::boundary::{
     Failure, MlgError, MlgStatus, Outcome, guard, guard_or, panicked, write_text,
@@ -54,8 +54,35 @@ pub struct MlgProgress {
 // SAFETY: repr(C), plain numbers, size first.
 unsafe impl Versioned for MlgProgress {}
 
-/// A result of any kind; `wait_for` knows which.
+/// A result of any kind; `hand_over` knows which.
 type Answer = Box<dyn Any + Send>;
+
+/// Whether a computation has ended, and who waits for that.
+#[derive(Default)]
+struct End {
+    come: Mutex<bool>,
+    told: Condvar,
+}
+
+impl End {
+    fn tell(&self) {
+        *self.come.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.told.notify_all();
+    }
+
+    /// Whether it has come within a time; `None`: for ever.
+    fn wait(&self, at_most: Option<Duration>) -> bool {
+        let come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
+        let not_yet = |come: &mut bool| !*come;
+        match at_most {
+            None => *self.told.wait_while(come, not_yet).unwrap_or_else(PoisonError::into_inner),
+            Some(time) => {
+                let waited = self.told.wait_timeout_while(come, time, not_yet);
+                *waited.unwrap_or_else(PoisonError::into_inner).0
+            }
+        }
+    }
+}
 
 pub(super) struct RunObject {
     run: Run,
@@ -63,7 +90,7 @@ pub(super) struct RunObject {
     kind: &'static str,
     result_type: TypeId,
     worker: Mutex<Option<JoinHandle<()>>>,
-    ended: Arc<AtomicBool>,
+    end: Arc<End>,
     answer: Arc<Mutex<Option<Outcome<Answer>>>>,
 }
 
@@ -77,8 +104,8 @@ impl RunObject {
         let pool = thread_pool(thread_count)?;
         let run = Run::new();
         let answer = Arc::new(Mutex::new(None));
-        let ended = Arc::new(AtomicBool::new(false));
-        let (its_run, its_answer, its_end) = (run.clone(), Arc::clone(&answer), Arc::clone(&ended));
+        let end = Arc::new(End::default());
+        let (its_run, its_answer, its_end) = (run.clone(), Arc::clone(&answer), Arc::clone(&end));
         let work = move || {
             let done: Outcome<Answer> = catch_unwind(AssertUnwindSafe(|| {
                 let computed = pool.install(|| compute(&its_run))?;
@@ -89,7 +116,7 @@ impl RunObject {
             }))
             .unwrap_or_else(|panic| Err(panicked(panic.as_ref())));
             *its_answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(done);
-            its_end.store(true, Ordering::Release);
+            its_end.tell();
         };
         let worker = std::thread::Builder::new()
             .name("moulage run".into())
@@ -100,7 +127,7 @@ impl RunObject {
             kind,
             result_type: TypeId::of::<T>(),
             worker: Mutex::new(Some(worker)),
-            ended,
+            end,
             answer,
         })
     }
@@ -139,7 +166,7 @@ impl Drop for RunObject {
 }
 
 /// The body of every `mlg_run_wait_...`: waits and gives the result a handle of its own.
-pub(super) unsafe fn wait_for<T: Any + Send + Sync, H>(
+pub(super) unsafe fn hand_over<T: Any + Send + Sync, H>(
     run: *mut MlgRun,
     out_result: *mut *mut H,
     name: &str,
@@ -161,11 +188,11 @@ pub unsafe extern "C" fn mlg_run_poll(
 ) -> MlgStatus {
     guard(error, || {
         let object = handles::get::<RunObject, _>(run, "run")?;
-        let ended = object.ended.load(Ordering::Acquire);
+        let ended = object.end.wait(Some(Duration::ZERO));
         let now = object.run.progress();
         let mut progress = MlgProgress {
             struct_size: size_of::<MlgProgress>(),
-            state: if ended { MLG_RUN_ENDED } else { MLG_RUN_RUNNING },
+            state: state(ended),
             iteration: now.iteration as u32,
             fraction: now.fraction,
             energy: now.energy,
@@ -180,6 +207,29 @@ pub unsafe extern "C" fn mlg_run_poll(
     })
 }
 
+/// Waits until a run has ended, at most `seconds`: 0 does not wait, INFINITY waits for the end.
+/// `out_state`: `MLG_RUN_RUNNING` or `MLG_RUN_ENDED`. The result is handed over by the
+/// `mlg_run_wait_...` of its kind.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_run_wait_for(
+    run: *const MlgRun,
+    seconds: f64,
+    out_state: *mut u32,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_state, "out_state")?;
+        if seconds.is_nan() || seconds < 0.0 {
+            return Err(Failure::invalid(format!("seconds is {seconds}; it is 0 or more")));
+        }
+        let object = handles::get::<RunObject, _>(run, "run")?;
+        // A time beyond what the clock can say is for ever.
+        let ended = object.end.wait(Duration::try_from_secs_f64(seconds).ok());
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write(out_state, state(ended), "out_state") }
+    })
+}
+
 /// Asks a run to stop; returns at once. The run still hands out the best shape so far, if it has
 /// one. Allowed at any time, from any thread (but not from a signal handler: set a flag there).
 #[unsafe(no_mangle)]
@@ -191,8 +241,7 @@ pub unsafe extern "C" fn mlg_run_cancel(run: *const MlgRun) {
 }
 
 /// Copies the latest shape of the surface (registrations: of all bones, one after the other), for a
-/// live view: `3 * *out_count` coordinates into
-/// `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
+/// live view: `3 * *out_count` coordinates into `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
 /// before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
 /// `capacity` is 0.
 #[unsafe(no_mangle)]
@@ -226,6 +275,10 @@ pub unsafe extern "C" fn mlg_run_free(run: *mut MlgRun) {
     });
 }
 
+fn state(ended: bool) -> u32 {
+    if ended { MLG_RUN_ENDED } else { MLG_RUN_RUNNING }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -238,6 +291,18 @@ mod tests {
         let failure = run.take::<u32>().unwrap_err();
         assert_eq!(failure.status, MlgStatus::Panic);
         assert_eq!(failure.message, "fault in the library: forced 7");
+    }
+
+    #[test]
+    fn a_wait_ends_with_its_time_or_with_the_run() {
+        let (release, held) = std::sync::mpsc::channel::<()>();
+        let run = RunObject::start("a test", 1, move |_| Ok(held.recv().is_ok())).unwrap();
+        assert!(
+            !run.end.wait(Some(Duration::ZERO)) && !run.end.wait(Some(Duration::from_millis(5)))
+        );
+        release.send(()).unwrap();
+        assert!(run.end.wait(None) && run.end.wait(Some(Duration::ZERO)));
+        assert!(run.take::<bool>().unwrap());
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::result::{MlgReshapingResult, ReshapingResult};
-use super::run::{MlgRun, RunObject, wait_for};
+use super::run::{MlgRun, RunObject, hand_over};
 use super::separation_result::{MlgSeparationResult, SeparationResult};
 use crate::job::thread_pool;
 use crate::mesh::TetMesh;
@@ -245,7 +245,7 @@ pub unsafe extern "C" fn mlg_run_wait_separation(
     error: *mut MlgError,
 ) -> MlgStatus {
     // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { wait_for::<SeparationResult, _>(run, out_result, "out_result") })
+    guard(error, || unsafe { hand_over::<SeparationResult, _>(run, out_result, "out_result") })
 }
 
 /// Separates and returns when it is done: `mlg_separation_start` and `mlg_run_wait_separation` in one.

@@ -1,6 +1,8 @@
 //! What a separation gave.
 
-use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent};
+use libc::c_char;
+
+use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent, name_of};
 use super::buffers::{self, Versioned};
 use super::handles;
 use crate::job::{MovedBody, OverlapLine, SeparationReport};
@@ -19,6 +21,12 @@ pub enum MlgEnding {
     Stalled = 1,
     /// It was stopped on request; the shapes with the least overlap so far are the result.
     Cancelled = 2,
+}
+
+/// The name of an `MlgEnding`, e.g. "PARTED"; "UNKNOWN" for other numbers. Static, never NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn mlg_ending_name(ending: u32) -> *const c_char {
+    name_of(&["PARTED\0", "STALLED\0", "CANCELLED\0"], ending)
 }
 
 /// The course of a separation.

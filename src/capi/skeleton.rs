@@ -1,4 +1,4 @@
-//! Skeletons: bones and joints from arrays, and what is in them.
+//! Skeletons from arrays: bones and joints.
 
 use libc::c_char;
 use std::ffi::CString;

@@ -1,4 +1,4 @@
-//! From a surface to tets that carry it.
+//! Filling: from a surface to tets that carry it.
 
 use std::ffi::{CString, c_char};
 use std::ptr;
@@ -8,7 +8,7 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, le
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
-use super::run::{MlgRun, RunObject, wait_for};
+use super::run::{MlgRun, RunObject, hand_over};
 use crate::job::fill_with;
 use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TetQuality};
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn mlg_run_wait_tetrahedralization(
     error: *mut MlgError,
 ) -> MlgStatus {
     // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { wait_for::<Carried, _>(run, out_tets, "out_tets") })
+    guard(error, || unsafe { hand_over::<Carried, _>(run, out_tets, "out_tets") })
 }
 
 /// Takes tets made elsewhere; each vertex of the surface is carried by the tet that holds it, or

@@ -12,6 +12,7 @@ pub mod outline;
 pub mod profiles;
 pub mod slice;
 
+pub(crate) use grid::voxel_count;
 pub use grid::{MAX_VOXELS, Volume};
 pub use label_surface::label_surface;
 pub use moments::Moments;

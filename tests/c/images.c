@@ -21,6 +21,43 @@ static void write_ball(const char *path) {
     CHECK(fclose(file) == 0);
 }
 
+/* The same ball from memory, in LPS as the file. */
+static void from_memory(const MlgVolume *read) {
+    static float values[SIDE * SIDE * SIDE];
+    MlgVolumeGrid grid;
+    MlgVolume *made = NULL;
+    MlgVolumeInfo info = {sizeof info}, as_read = {sizeof as_read};
+    size_t count = 0, n;
+    int i, j, k;
+    CHECK(mlg_volume_grid_init(&grid, sizeof grid) == MLG_STATUS_OK && grid.spacing[1] == 1);
+    for (i = 0; i < 3; i++) grid.size[i] = SIDE, grid.spacing[i] = 2, grid.origin[i] = 2 * i - 21;
+    grid.lps = 1;
+    for (n = 0, k = 0; k < SIDE; k++)
+        for (j = 0; j < SIDE; j++)
+            for (i = 0; i < SIDE; i++, n++) {
+                const int x = 2 * i - 23, y = 2 * j - 23, z = 2 * k - 23;
+                values[n] = x * x + y * y + z * z < 256 ? 3 : 0;
+            }
+    CHECK(mlg_volume_new(values, &grid, &made, &error) == MLG_STATUS_OK);
+    CHECK(memcmp(mlg_volume_values(made, &count), values, sizeof values) == 0 && count == n);
+    CHECK(memcmp(mlg_volume_values(read, &count), values, sizeof values) == 0 && count == n);
+    CHECK(mlg_volume_info(made, &info, NULL) == MLG_STATUS_OK && mlg_volume_info(read, &as_read, NULL) == MLG_STATUS_OK);
+    CHECK(memcmp(&info, &as_read, sizeof info) == 0);
+    mlg_volume_free(made);
+    CHECK(mlg_volume_values(made, &count) == NULL && count == 0);
+
+    expect(mlg_volume_new(NULL, &grid, &made, &error), MLG_STATUS_NULL_ARGUMENT, "values");
+    expect(mlg_volume_new(values, NULL, &made, &error), MLG_STATUS_NULL_ARGUMENT, "grid");
+    grid.spacing[2] = -2;
+    expect(mlg_volume_new(values, &grid, &made, &error), MLG_STATUS_INVALID_ARGUMENT, "grid.spacing[2] is -2");
+    grid.spacing[2] = 2, grid.directions[0] = 0;
+    expect(mlg_volume_new(values, &grid, &made, &error), MLG_STATUS_INVALID_ARGUMENT, "do not span space");
+    grid.size[0] = SIZE_MAX, grid.size[1] = 2;
+    expect(mlg_volume_new(values, &grid, &made, &error), MLG_STATUS_INVALID_ARGUMENT, "crop or resample");
+    grid.size[0] = 0;
+    expect(mlg_volume_new(values, &grid, &made, &error), MLG_STATUS_INVALID_ARGUMENT, "none");
+}
+
 static double off_ball(const double *p) {
     const double x = p[0] + 2, y = p[1] + 4, z = p[2] - 6;
     return fabs(sqrt(x * x + y * y + z * z) - 16);
@@ -162,6 +199,7 @@ int main(int argument_count, char **arguments) {
     CHECK(mlg_volume_load(path, &volume, &error) == MLG_STATUS_OK);
     CHECK(mlg_volume_notes(volume, NULL, 0, &length, NULL) == MLG_STATUS_OK && length == 0);
     slices(volume);
+    from_memory(volume);
     lines_and_markers(volume);
     labels(volume);
     mlg_volume_free(volume);

@@ -33,18 +33,19 @@ static void refused(const char *words, const std::function<void()> &wrong) {
 static void lists_that_do_not_go_together(const moulage::TriMesh &mesh, moulage::Reshaping &problem) {
     using namespace moulage;
     const std::vector<double> nine(9), ten(10), one(1), three(3);
+    const std::vector<std::uint32_t> triangle(3), four(4);
     refused("1 weights for 3 points", [&] { Markers(nine, one); });
     refused("points: 10 numbers", [&] { Markers{ten}; });
-    refused("points: 10 numbers", [&] { TriMesh(ten, {0, 1, 2}); });
-    refused("triangles: 4 numbers", [&] { TriMesh(nine, {0, 1, 2, 0}); });
-    refused("tets: 10 numbers", [&] { TetMesh(mesh.points(), view_of(std::vector<std::uint32_t>(10))); });
-    refused("points: 10 numbers", [&] { mesh.distances_to(view_of(ten)); });
-    refused("points: 10 numbers", [&] { mesh.distances_of(view_of(ten)); });
-    refused("points: 10 numbers", [&] { mesh.save("unwritten.obj", view_of(ten)); });
-    refused("3 targets for 1 landmarks", [&] { mesh.align(MLG_ALIGN_RIGID, {}, view_of(three), view_of(nine)); });
-    refused("1 weights for 3 points", [&] { problem.set_markers(view_of(nine), view_of(one)); });
-    refused("1 targets for 3 places", [&] { problem.set_landmarks(view_of(nine), view_of(three)); });
-    refused("1 weights for 3 points", [&] { problem.set_attachments(view_of(nine), view_of(nine), view_of(one)); });
+    refused("points: 10 numbers", [&] { TriMesh(ten, triangle); });
+    refused("triangles: 4 numbers", [&] { TriMesh(nine, four); });
+    refused("tets: 10 numbers", [&] { TetMesh(mesh.points(), std::vector<std::uint32_t>(10)); });
+    refused("points: 10 numbers", [&] { mesh.distances_to(ten); });
+    refused("points: 10 numbers", [&] { mesh.distances_of(ten); });
+    refused("points: 10 numbers", [&] { mesh.save("unwritten.obj", ten); });
+    refused("3 targets for 1 landmarks", [&] { mesh.align(MLG_ALIGN_RIGID, {}, three, nine); });
+    refused("1 weights for 3 points", [&] { problem.set_markers(nine, one); });
+    refused("1 targets for 3 places", [&] { problem.set_landmarks(nine, three); });
+    refused("1 weights for 3 points", [&] { problem.set_attachments(nine, nine, one); });
 }
 
 int main() {
@@ -65,9 +66,9 @@ int main() {
 
     moulage::Reshaping problem(tets);
     lists_that_do_not_go_together(mesh, problem);
-    problem.set_markers(moulage::view_of(markers));
-    { const moulage::Run left_alone = problem.start(); }
-    const moulage::Run run = problem.start();
+    problem.set_markers(markers);
+    { const auto left_alone = problem.start(); }
+    const auto run = problem.start();
     while (run.poll().state == MLG_RUN_RUNNING) CHECK(run.preview().size() % 3 == 0);
     const moulage::ReshapingResult result = run.wait();
     CHECK(result.points().size == points.size() && result.summary().mean_marker_distance < 0.05);
@@ -81,13 +82,13 @@ int main() {
 
     // Distances, placing, tets on a thread.
     CHECK(mesh.check().empty() && problem.check().empty());
-    CHECK(mesh.distances_to(moulage::view_of(markers)).size() == POINTS);
+    CHECK(mesh.distances_to(markers).size() == POINTS);
     CHECK(mesh.distances_of(mesh.points())[5] < 1e-12);
     CHECK(result.max_stretches()[0] >= result.min_stretches()[0]);
     const std::vector<double> still =
         mesh.align(MLG_ALIGN_RIGID, {}, mesh.points(), mesh.points());
     CHECK(std::fabs(still[0] - 1) < 1e-9 && std::fabs(still[3]) < 1e-9);
-    CHECK(moulage::start_tets(mesh, options).wait_tets().quality().inverted_count == 0);
+    CHECK(moulage::start_tets(mesh, options).wait().quality().inverted_count == 0);
 
     // The result beside a copy of the template that overlaps it.
     moulage::Separation pile;
@@ -108,7 +109,7 @@ int main() {
     // A skeleton of one bone on the same bone, larger.
     std::vector<double> larger = points;
     for (double &c : larger) c *= 1.1;
-    const moulage::Skeleton skeleton({{sizeof(MlgBone), "ball", mesh.get()}}, {});
+    const moulage::Skeleton skeleton({{"ball", mesh}});
     CHECK(skeleton.bone_count() == 1 && skeleton.bone_name(0) == "ball" && skeleton.bone_name(1).empty());
     moulage::Registration registration(skeleton);
     registration.set_target(moulage::TriMesh(larger, triangles));
@@ -122,9 +123,10 @@ int main() {
 
     // What the two balls have in common: size.
     const auto model =
-        moulage::ShapeModel::fit(skeleton, {skeleton.as_const(), person.as_const()});
+        moulage::ShapeModel(skeleton, moulage::Samples{skeleton, person});
     CHECK(model.deviations().size == 1 && model.explained()[0] > 0.999);
-    const moulage::Skeleton mean = model.shape(), more = model.shape({1});
+    const std::vector<double> one = {1};
+    const moulage::Skeleton mean = model.shape(), more = model.shape(one);
     const double middle = mean.bone_points(0)[2];
     CHECK(std::fabs(middle - 1.05) < 0.02 && std::fabs(more.bone_points(0)[2] - middle) > 0.03);
     registration.set_shape_model(model);

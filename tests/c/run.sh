@@ -32,7 +32,13 @@ done
 for program in mistakes inputs register separate runs; do
     "${c[@]}" -g "tests/c/$program.c" -o "$out/$program" "${with_plain[@]}"
 done
-"${cpp[@]}" "${sanitize[@]}" tests/c/raii.cpp -o "$out/raii.sanitized" "${with_sanitized[@]}"
+for program in raii reach; do
+    "${cpp[@]}" "${sanitize[@]}" -c "tests/c/$program.cpp" -o "$out/$program.o"
+    "${cpp[@]}" "${sanitize[@]}" "$out/$program.o" -o "$out/$program.sanitized" "${with_sanitized[@]}"
+done
+# What the inline functions of moulage.hpp call is in a program only where they are called.
+called=$(nm -u "$out/raii.o" "$out/reach.o" | grep -oE '\bmlg_[a-z_]+' | sort -u)
+diff <(echo "$declared") <(echo "$called") || { echo "not called from C++"; exit 1; }
 "$out/mistakes.sanitized"
 "$out/inputs.sanitized" "$out"
 "$out/images.sanitized" "$out"
@@ -42,6 +48,7 @@ done
 "$out/separate.sanitized" "$out" quick
 "$out/runs.sanitized" quick
 "$out/raii.sanitized"
+"$out/reach.sanitized" examples "$out"
 
 # Where the answer counts: in full, as it is used.
 "$out/register" "$out"

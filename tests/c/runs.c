@@ -69,7 +69,9 @@ static void polling_and_two_at_once(uint32_t tet_count) {
     MlgRun *first = NULL, *second = NULL;
     MlgReshapingResult *result = NULL;
     size_t count = 0;
+    uint32_t state = MLG_RUN_ENDED;
     CHECK(mlg_reshaping_start(problem, &options, &first, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_run_wait_for(first, 0, &state, NULL) == MLG_STATUS_OK && state == MLG_RUN_RUNNING);
     CHECK(mlg_reshaping_start(problem, &options, &second, NULL) == MLG_STATUS_OK);
     mlg_reshaping_free(problem); /* the runs have their own copy */
     do {
@@ -80,6 +82,12 @@ static void polling_and_two_at_once(uint32_t tet_count) {
     CHECK(mlg_run_wait_reshaping(first, &result, NULL) == MLG_STATUS_OK);
     mlg_reshaping_result_free(result);
     CHECK(mlg_run_wait_reshaping(first, &result, NULL) == MLG_STATUS_INVALID_ARGUMENT);
+    /* Until it ends, whatever that takes; a time that makes no sense is refused, and NULL has no place for the answer. */
+    CHECK(mlg_run_wait_for(second, INFINITY, &state, NULL) == MLG_STATUS_OK && state == MLG_RUN_ENDED);
+    CHECK(mlg_run_wait_for(second, 0, &state, NULL) == MLG_STATUS_OK && state == MLG_RUN_ENDED);
+    CHECK(mlg_run_wait_for(second, -1, &state, NULL) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(mlg_run_wait_for(second, NAN, &state, NULL) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(mlg_run_wait_for(second, 0, NULL, NULL) == MLG_STATUS_NULL_ARGUMENT);
     CHECK(mlg_run_wait_reshaping(second, &result, NULL) == MLG_STATUS_OK);
     CHECK(poll_run(second).state == MLG_RUN_ENDED && poll_run(second).fraction == 1);
     mlg_reshaping_result_free(result);

@@ -1,5 +1,4 @@
-"""The Python package, installed from its wheel: agreement with the header, and a run from arrays to
-arrays.
+"""The Python package, installed from its wheel: runs from arrays to arrays.
 
     python tests/python/test_package.py
 """
@@ -17,59 +16,10 @@ from pathlib import Path
 import numpy
 
 import moulage
-from moulage import interface, native
+from moulage import interface
 
 ROOT = Path(__file__).resolve().parents[2]
 LIVER = ROOT / "examples" / "liver"
-
-
-def header():
-    text = (ROOT / "include" / "moulage.h").read_text()
-    return re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
-
-
-class Header(unittest.TestCase):
-    """interface.py declares by hand what include/moulage.h says."""
-
-    def test_functions_have_as_many_arguments(self):
-        declared = {
-            name: 0 if arguments.strip() == "void" else arguments.count(",") + 1
-            for name, arguments in re.findall(r"\bmlg_(\w+)\(([^;]*?)\);", header(), re.S)
-        }
-        for name, arguments in interface.CALLS.items():
-            self.assertEqual(len(arguments), declared[name], name)
-        for name, (_result, *arguments) in interface.GETTERS.items():
-            self.assertEqual(len(arguments), declared[name], name)
-
-    def test_structs_have_the_same_fields(self):
-        kinds = {
-            "uint32_t": "c_uint", "uint64_t": "c_ulong", "double": "c_double", "size_t": "c_ulong",
-            "const char *": "c_char_p", "const double *": "c_void_p", "const MlgTriMesh *": "c_void_p",
-        }
-        checked = set()
-        for body, name in re.findall(r"typedef struct \{(.*?)\} (\w+);", header(), re.S):
-            own = getattr(interface, name, None)
-            if own is None or name == "MlgError":
-                continue
-            fields = re.findall(r"((?:const \w+ \*)|uint32_t|uint64_t|double|size_t|char)\s*(\w+)(?:\[(\w+)\])?;", body)
-            checked.add(name)
-            self.assertEqual([f[1] for f in fields], [f[0] for f in own._fields_], name)
-            for (kind, _field, length), (_own_field, own_kind) in zip(fields, own._fields_):
-                if not length:
-                    self.assertEqual(kinds[kind], own_kind.__name__, f"{name}.{_field}")
-
-        self.assertEqual(checked, {s.__name__ for s in interface.Versioned.__subclasses__()})
-
-    def test_constants_agree(self):
-        found = {name: int(value) for name, value in re.findall(r"#define (MLG_\w+) (\d+)\b", header())}
-        self.assertEqual(interface.ABI_VERSION, found["MLG_ABI_VERSION"])
-        self.assertEqual(interface.TETS, {n: found[f"MLG_TETS_{n.upper()}"] for n in interface.TETS})
-        self.assertEqual(interface.ALIGN, {n: found[f"MLG_ALIGN_{n.upper()}"] for n in interface.ALIGN})
-        self.assertEqual(interface.RUN_ENDED, found["MLG_RUN_ENDED"])
-        stops = dict(re.findall(r"MLG_STOP_(\w+) = (\d+)", header()))
-        self.assertEqual([s.upper() for s in interface.STOPS], sorted(stops, key=lambda s: int(stops[s])))
-        endings = dict(re.findall(r"MLG_ENDING_(\w+) = (\d+)", header()))
-        self.assertEqual([e.upper() for e in interface.ENDINGS], sorted(endings, key=lambda e: int(endings[e])))
 
 
 def cube():
@@ -199,57 +149,6 @@ class Separations(unittest.TestCase):
             self.problem.add_obstacle("left", self.bone)
         with self.assertRaisesRegex(moulage.Error, "at least one ring"):
             self.problem.start(rings=0)
-
-
-class Volumes(unittest.TestCase):
-    def test_a_nrrd_is_sliced_at_its_place_in_the_world(self):
-        values = numpy.zeros((4, 5, 6), numpy.int16)
-        values[3, 4, 5] = 1000  # z, y, x: the farthest corner
-        head = (
-            "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 6 5 4\n"
-            "space directions: (2,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\nencoding: raw\nendian: little\n\n"
-        )
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "a.nrrd"
-            path.write_bytes(head.encode() + values.tobytes())
-            volume = moulage.Volume(path)
-        info = volume.info
-        numpy.testing.assert_allclose(info["world_from_voxel"], [[2, 0, 0, 10], [0, 2, 0, 20], [0, 0, 3, 30]])
-        plane = volume.plane((0, 0, 1), 39.0)
-        pixels = volume.slice(plane, (1000, 500))
-        row, column = numpy.unravel_index(pixels[:, :, 0].argmax(), pixels.shape[:2])
-        place = plane.corner + column * plane.right + row * plane.down
-        numpy.testing.assert_allclose(place, [20, 28, 39], atol=1.0)
-
-    def test_a_plane_cuts_a_cube_in_a_square(self):
-        surface = moulage.TriMesh(*cube())
-        (line,) = moulage.section(surface, (0.5, 0.5, 0.25), (0, 0, 1))
-        numpy.testing.assert_allclose(line[:, 2], 0.25)
-        length = numpy.linalg.norm(numpy.diff(line, axis=0), axis=1).sum()
-        self.assertAlmostEqual(length, 4.0)
-        self.assertEqual(moulage.section(surface, (0, 0, 5), (0, 0, 1)), [])
-
-
-    def test_a_label_map_gives_its_labels_markers_and_surface(self):
-        grid = numpy.arange(-12, 13)
-        z, y, x = numpy.meshgrid(grid, grid, grid, indexing="ij")
-        values = numpy.where(x**2 + y**2 + z**2 < 81, 7, 0).astype(numpy.int16)
-        head = (
-            "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 25 25 25\n"
-            "space directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (-24,-24,-24)\nencoding: raw\nendian: little\n\n"
-        )
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "ball.nrrd"
-            path.write_bytes(head.encode() + values.tobytes())
-            volume = moulage.Volume(path)
-        self.assertEqual(volume.labels, [7])
-        few = volume.label_markers(7, spacing=12).points
-        many = volume.label_markers(7, [(0, 0, 1), (1, 0, 0)], spacing=6, every=4).points
-        self.assertGreater(len(many), 3 * len(few))
-        for points in (few, many, volume.label_surface(7).points):
-            numpy.testing.assert_allclose(numpy.linalg.norm(points, axis=1), 18, atol=1.5)
-        with self.assertRaisesRegex(moulage.Error, "it has 7"):
-            volume.label_markers(8)
 
 
 HAND = ROOT / "examples" / "hand"

@@ -1,0 +1,113 @@
+/** A template's tets follow markers, landmarks and attachments. */
+#ifndef MOULAGE_RESHAPING_HPP
+#define MOULAGE_RESHAPING_HPP
+
+#include "markers.hpp"
+#include "run.hpp"
+#include "tets.hpp"
+
+namespace moulage {
+
+inline MlgReshapingOptions reshaping_options() { return defaults(mlg_reshaping_options_init); }
+
+/** A reshaped template. */
+class ReshapingResult : public Owner<MlgReshapingResult, mlg_reshaping_result_free> {
+public:
+    using Owner::Owner;
+    static ReshapingResult of(const Run &run) {
+        return ReshapingResult(make(mlg_run_wait_reshaping, run.get()));
+    }
+    MOULAGE_LENDS(double, points, mlg_reshaping_result_points, 3)
+    MOULAGE_LENDS(double, tet_points, mlg_reshaping_result_tet_points, 3)
+    /** A symmetric 3x3 matrix for each tet. */
+    MOULAGE_LENDS(double, plastic_strains, mlg_reshaping_result_plastic_strains, 9)
+    MOULAGE_LENDS(double, marker_distances, mlg_reshaping_result_marker_distances, 1)
+    MOULAGE_LENDS(double, landmark_distances, mlg_reshaping_result_landmark_distances, 1)
+    MOULAGE_LENDS(double, attachment_distances, mlg_reshaping_result_attachment_distances, 1)
+    MOULAGE_LENDS(double, max_stretches, mlg_reshaping_result_max_stretches, 1)
+    MOULAGE_LENDS(double, min_stretches, mlg_reshaping_result_min_stretches, 1)
+    MlgReshapingSummary summary() const {
+        return filled<MlgReshapingSummary>(mlg_reshaping_result_summary, as_const());
+    }
+    /** Why it ended, such as SETTLED. */
+    std::string stop_name() const { return mlg_stop_name(summary().stop); }
+    MlgTetQuality quality() const {
+        return filled<MlgTetQuality>(mlg_reshaping_result_quality, as_const());
+    }
+    /** Moves other points with the template. */
+    std::vector<double> carry(std::vector<double> at_rest) const {
+        call(mlg_reshaping_result_carry, as_const(), at_rest.data(),
+             rows(View<double>(at_rest), 3, "points"), at_rest.data());
+        return at_rest;
+    }
+    /** Writes the deformed tets as .vtu, with their strains. */
+    void save_tets(const std::string &path) const {
+        call(mlg_reshaping_result_save_tets, as_const(), path.c_str());
+    }
+};
+
+/** A template and the data it is to follow. Lists are flat, weights may be left out. */
+class Reshaping : public Owner<MlgReshaping, mlg_reshaping_free> {
+public:
+    explicit Reshaping(const Tetrahedralization &tets)
+        : Owner(make(mlg_reshaping_new, tets.as_const())) {}
+    void set_markers(View<double> points, View<double> weights = {}) {
+        const std::size_t count = rows(points, 3, "points");
+        call(mlg_reshaping_set_markers, get(), points.data, weights_for(weights, count), count);
+    }
+    void set_landmarks(View<double> places, View<double> targets, View<double> weights = {}) {
+        set_pairs(mlg_reshaping_set_landmarks, places, 3, targets, weights);
+    }
+    void set_landmarks_at_vertices(View<std::uint32_t> vertices, View<double> targets,
+                                   View<double> weights = {}) {
+        set_pairs(mlg_reshaping_set_landmarks_at_vertices, vertices, 1, targets, weights);
+    }
+    void set_landmarks(const Pairs &pairs) {
+        call(mlg_reshaping_set_landmark_pairs, get(), pairs.as_const());
+    }
+    void set_attachments(View<double> places, View<double> targets, View<double> weights = {}) {
+        set_pairs(mlg_reshaping_set_attachments, places, 3, targets, weights);
+    }
+    void set_attachments_at_vertices(View<std::uint32_t> vertices, View<double> targets,
+                                     View<double> weights = {}) {
+        set_pairs(mlg_reshaping_set_attachments_at_vertices, vertices, 1, targets, weights);
+    }
+    void set_attachments(const Pairs &pairs) {
+        call(mlg_reshaping_set_attachment_pairs, get(), pairs.as_const());
+    }
+    /** Vertices that stay where they are. */
+    void set_fixed(View<std::uint32_t> vertices) {
+        call(mlg_reshaping_set_fixed, get(), vertices.data, vertices.size);
+    }
+    /** The same, read from a .csv file with the column vertex, or x, y, z, or both. */
+    void load_fixed(const std::string &path) {
+        call(mlg_reshaping_load_fixed, get(), path.c_str());
+    }
+    /** What is suspicious, one sentence per line; throws if it cannot work. */
+    std::string check() const { return text(mlg_reshaping_check, as_const()); }
+    RunOf<ReshapingResult> start(const MlgReshapingOptions &options = reshaping_options()) const {
+        return RunOf<ReshapingResult>(made<MlgRun>(mlg_reshaping_start, as_const(), &options));
+    }
+    /** From the shape of an earlier result for the same template and options. */
+    RunOf<ReshapingResult> start_again(const ReshapingResult &earlier,
+                                       const MlgReshapingOptions &options = reshaping_options()) const {
+        return RunOf<ReshapingResult>(
+            made<MlgRun>(mlg_reshaping_start_again, earlier.as_const(), as_const(), &options));
+    }
+    ReshapingResult run(const MlgReshapingOptions &options = reshaping_options()) const {
+        return ReshapingResult(made<MlgReshapingResult>(mlg_reshaping_run, as_const(), &options));
+    }
+
+private:
+    template <class Place, class Function>
+    void set_pairs(Function function, View<Place> places, std::size_t width, View<double> targets,
+                   View<double> weights) {
+        const std::size_t count = rows(places, width, "places");
+        check_same(rows(targets, 3, "targets"), "targets", count, "places");
+        call(function, get(), places.data, targets.data, weights_for(weights, count), count);
+    }
+};
+
+}  // namespace moulage
+
+#endif

@@ -1,0 +1,145 @@
+"""Answers that can be checked by hand, of what needs more than arrays in and out: files, pairs, distances, tets.
+
+    python tests/python/test_answers.py
+"""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy
+
+import moulage
+from test_package import HAND, cube
+
+
+class Answers(unittest.TestCase):
+    def setUp(self):
+        self.points, self.triangles = cube()
+        self.surface = moulage.TriMesh(self.points, self.triangles)
+        self.tets = moulage.Tetrahedralization(self.surface, "lattice", 300)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def file(self, name, text):
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def test_distances_of_and_to_a_surface(self):
+        numpy.testing.assert_allclose(self.surface.distances_of([[0.5, 0.5, 3], [0.5, 0.5, 0.5]]), [2, 0.5])
+        numpy.testing.assert_allclose(self.surface.distances_to([[0, 0, 2]]), numpy.linalg.norm(self.points - (0, 0, 2), axis=1))
+
+    def test_a_moved_cube_is_placed_and_saved_with_its_points(self):
+        moved = self.points + (5, 0, 0)
+        matrix = self.surface.align(landmarks=self.points, targets=moved, markers=moved)
+        numpy.testing.assert_allclose(matrix, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], atol=1e-6)
+        self.surface.save(self.folder / "moved.obj", moved)
+        numpy.testing.assert_allclose(moulage.TriMesh.load(self.folder / "moved.obj").points, moved)
+
+    def test_tets_go_through_a_file_and_carry_the_surface_again(self):
+        whole = moulage.TetMesh(self.tets.points, self.tets.tets)
+        whole.save(self.folder / "tets.vtu")
+        read = moulage.TetMesh.load(self.folder / "tets.vtu")
+        numpy.testing.assert_array_equal(read.tets, whole.tets)
+        numpy.testing.assert_allclose(read.points, whole.points, rtol=1e-6)
+        given = moulage.Tetrahedralization.from_tets(self.surface, read)
+        self.assertEqual((given.method, given.boundary_kept, given.warnings), ("given", False, []))
+        self.assertTrue((given.inside_fractions <= 1).all())
+        # A lattice tet counts by the share of it that is inside, coarsely: together about the cube's volume, where all tets
+        # have half as much again.
+        corners = given.points[given.tets]
+        volumes = numpy.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
+        self.assertGreater(volumes.sum(), 1.5)
+        self.assertAlmostEqual(volumes @ given.inside_fractions, 1, delta=0.25)
+
+    def test_an_open_surface_is_filled_with_a_warning(self):
+        open_cube = moulage.TriMesh(self.points, self.triangles[1:])
+        (warning,) = moulage.Tetrahedralization(open_cube, "lattice", 300).warnings
+        self.assertRegex(warning, "hole")
+
+    def test_pairs_come_from_files_and_bones(self):
+        path = self.file("pairs.csv", "label,vertex,target_x,target_y,target_z,weight\ntop,7,1,1,2,3\n")
+        landmarks = moulage.Pairs.load_landmarks(self.surface, path)
+        self.assertEqual((landmarks.labels, landmarks.warning), (["top"], None))
+        numpy.testing.assert_array_equal(landmarks.template_vertices, [7])
+        numpy.testing.assert_array_equal(landmarks.template_points, [[1, 1, 1]])
+        numpy.testing.assert_array_equal(landmarks.targets, [[1, 1, 2]])
+        numpy.testing.assert_array_equal(landmarks.weights, [3])
+        bone = moulage.TriMesh(self.points + (1.1, 0, 0), self.triangles)
+        there = moulage.TriMesh(self.points + (2.1, 0, 0), self.triangles)
+        held = moulage.Pairs.from_bone(self.surface, bone, there, 0.2)
+        numpy.testing.assert_allclose(held.targets - held.template_points, [[1, 0, 0]] * 4, atol=1e-12)
+        with self.assertRaisesRegex(moulage.Error, "target"):
+            moulage.Pairs.load_attachments(self.surface, self.file("bad.csv", "vertex\n7\n"))
+
+    def test_a_result_tells_how_far_everything_is(self):
+        problem = moulage.Reshaping(self.tets)
+        targets = self.points[:4] * (1.2, 1, 1) - (0.1, 0, 0)
+        problem.set_landmarks(self.points[:4], targets)
+        held = self.points[4:7] + (0.2, 0, 0)
+        problem.set_attachments(self.points[4:7], held)
+        problem.set_markers([[0.5, 0.5, 1.1]])
+        problem.set_fixed([7])
+        (note,) = problem.check()
+        self.assertRegex(note, "only 1 markers")
+        result = problem.run(max_iterations=3)
+        numpy.testing.assert_allclose(result.landmark_distances, numpy.linalg.norm(result.points[:4] - targets, axis=1), atol=1e-9)
+        numpy.testing.assert_allclose(result.attachment_distances, numpy.linalg.norm(result.points[4:7] - held, axis=1), atol=1e-9)
+        person = moulage.TriMesh(result.points, self.triangles)
+        numpy.testing.assert_allclose(result.marker_distances, person.distances_of([[0.5, 0.5, 1.1]]), atol=1e-9)
+        self.assertEqual(result.quality["tet_count"], len(self.tets.tets))
+        self.assertEqual(result.plastic_strains.shape, (len(self.tets.tets), 3, 3))
+        result.save_tets(self.folder / "result.vtu")
+        numpy.testing.assert_allclose(moulage.TetMesh.load(self.folder / "result.vtu").points, result.tet_points, atol=1e-6)
+        apart = moulage.Separation()
+        apart.add_result("cube", result)
+        apart.add_obstacle("far", moulage.TriMesh(self.points + (9, 0, 0), self.triangles))
+        self.assertTrue(apart.run().summary["separated"])
+
+    def test_pairs_go_into_a_problem_with_nothing_beside_them(self):
+        path = self.file("pairs.csv", "vertex,target_x,target_y,target_z\n" + "".join(
+            f"{i},{1.5 * x},{y},{z}\n" for i, (x, y, z) in enumerate(self.points)))
+        pairs = moulage.Pairs.load_landmarks(self.surface, path)
+        problem = moulage.Reshaping(self.tets)
+        problem.set_landmarks(pairs)
+        problem.set_attachments(pairs)
+        problem.set_attachments_at_vertices([], numpy.empty((0, 3)))
+        problem.load_fixed(self.file("fixed.csv", "vertex\n0\n"))
+        result = problem.run(landmark_tolerance=0.01)
+        numpy.testing.assert_allclose(result.points, pairs.targets, atol=0.05)
+        for set_pairs in (problem.set_landmarks, problem.set_attachments):
+            with self.assertRaisesRegex(TypeError, "give nothing beside them"):
+                set_pairs(pairs, pairs.targets)
+
+    def test_a_wait_tells_whether_the_end_has_come(self):
+        problem = moulage.Reshaping(self.tets)
+        problem.set_landmarks_at_vertices(range(8), self.points * (1.5, 1, 1))
+        run = problem.start()
+        self.assertTrue(run.wait_for(float("inf")) and run.poll().ended)
+        with self.assertRaisesRegex(moulage.Error, "seconds is -1"):
+            run.wait_for(-1)
+
+    def test_a_hand_moves_in_a_scene_and_is_no_opensim_model(self):
+        hand = moulage.Skeleton.load(HAND / "skeleton.json")
+        self.assertEqual(hand.notes, [])
+        name = list(hand.angles)[0]
+        moulage.Motion(hand, [0, 1], {name: [0, 0.2]}).save(self.folder / "bend.mot")
+        hand.save_motion(self.folder / "bend.mot", self.folder / "bend.glb")
+        self.assertEqual((self.folder / "bend.glb").read_bytes()[:4], b"glTF")
+        with self.assertRaises(moulage.Error):
+            hand.save_osim(self.folder / "none.osim", self.folder / "out.osim")
+
+    def test_an_image_of_another_kind_of_target_is_taken(self):
+        ball = moulage.Volume.from_array(numpy.eye(8)[:, :, None] * numpy.ones(8))
+        registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
+        registration.set_image(ball, ball)
+        larger = moulage.TriMesh(self.points * 1.1, self.triangles)
+        registration.set_target(larger)
+        result = registration.run(align=0, max_iterations=2)
+        self.assertIsInstance(result.warnings, list)
+
+
+if __name__ == "__main__":
+    unittest.main()
