@@ -14,11 +14,14 @@ version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 soname=libmoulage.so.${version%.*}
 
 install -D -m 644 -t "$prefix/include" include/moulage.h include/moulage.hpp
+install -D -m 644 -t "$prefix/include/moulage" include/moulage/*.hpp
 install -D -m 755 "$built/libmoulage.so" "$prefix/lib/libmoulage.so.$version"
 ln -sf "libmoulage.so.$version" "$prefix/lib/$soname"
 ln -sf "$soname" "$prefix/lib/libmoulage.so"
 install -D -m 644 -t "$prefix/lib" "$built/libmoulage.a"
 mkdir -p "$prefix/lib/pkgconfig" "$prefix/lib/cmake/moulage"
-fill=(-e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|")
+fill=(-e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|" -e "s|@SERIES@|${version%.*}|")
 sed "${fill[@]}" include/moulage.pc.in >"$prefix/lib/pkgconfig/moulage.pc"
-sed "${fill[@]}" include/moulageConfig.cmake.in >"$prefix/lib/cmake/moulage/moulageConfig.cmake"
+for file in moulageConfig moulageConfigVersion; do
+    sed "${fill[@]}" "include/$file.cmake.in" >"$prefix/lib/cmake/moulage/$file.cmake"
+done

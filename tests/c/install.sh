@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the library into an empty prefix and builds consumers that know only that: by CMake, by
-# pkg-config with the shared library, and with the static one.
+# Installs the library into an empty prefix and builds consumers that know only that: by CMake and by
+# pkg-config, with the shared library and with the static one.
 #   tests/c/install.sh LIBRARIES
 set -euo pipefail
 libraries=$(realpath "$1")
@@ -10,9 +10,12 @@ trap 'rm -rf "$out"' EXIT
 prefix=$out/prefix
 include/install.sh "$prefix" "$libraries"
 
-cmake -S tests/c/consumer -B "$out/cmake" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
-cmake --build "$out/cmake" >/dev/null
-"$out/cmake/consumer"
+by_cmake() {
+    cmake -S tests/c/consumer -B "$out/$1" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+    cmake --build "$out/$1" >/dev/null
+    "$out/$1/consumer"
+}
+by_cmake shared_cmake
 
 export PKG_CONFIG_PATH="$prefix/lib/pkgconfig"
 read -ra flags <<<"$(pkg-config --cflags --libs moulage)"
@@ -25,4 +28,5 @@ rm "$prefix"/lib/libmoulage.so*
 read -ra flags <<<"$(pkg-config --cflags --static --libs moulage)"
 g++ -std=c++17 tests/c/consumer/consumer.cpp -o "$out/static" "${flags[@]}"
 "$out/static"
+by_cmake static_cmake
 echo "install: good"
