@@ -64,6 +64,8 @@ class Edges(unittest.TestCase):
         self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
 
     def test_what_waits_listens_to_ctrl_c_and_ends_its_run(self):
+        # A shell that starts the tests in the background has them ignore Ctrl-C.
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
         run = long_run()
         interrupt = threading.Thread(target=_interrupt_main_when, args=(lambda: run.poll().iteration > 0,))
         interrupt.start()
