@@ -22,8 +22,8 @@
  * Arrays given are copied; arrays returned are borrowed until their handle is freed: NULL and a count
  * of 0 for what is not there. Points are packed x, y, z. Strings and paths are UTF-8. A file is
  * written beside its place and renamed; its folder must exist.
- * Structs that begin with struct_size may grow at their end: options are set by their _init, others by
- * `MlgProgress progress = {sizeof progress};`.
+ * Structs that begin with struct_size may grow at their end: options are set by their _init, in others
+ * the caller sets it, as in `progress.struct_size = sizeof progress;`.
  * Functions may be called from any thread. The library has threads of its own: one per run, and those
  * that compute, which stay. So a child made by fork() without exec must not call it.
  *

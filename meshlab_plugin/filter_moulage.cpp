@@ -100,7 +100,7 @@ int FilterMoulage::getPreConditions(const QAction *action) const {
 int FilterMoulage::postCondition(const QAction *action) const {
     const int moved = MeshModel::MM_VERTCOORD | MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL;
     switch (ID(action)) {
-    case RESHAPE: return moved | MeshModel::MM_VERTQUALITY;
+    case RESHAPE: return moved | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR;
     case REGISTER:
     case SEPARATE: return moved;
     case TETRAHEDRALIZE: return MeshModel::MM_NONE;
@@ -120,6 +120,7 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
             break;
         }
     const Scalarm diagonal = own ? own->cm.bbox.Diag() : 1;
+    const MlgReshapingOptions defaults = moulage::reshaping_options();
     const QStringList points_files = {"*.pp", "*.mrk.json", "*.fcsv", "*.csv"};
     switch (ID(action)) {
     case RESHAPE:
@@ -135,6 +136,8 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                {"Leave as it is", "Largest stretch", "Distance to the nearest marker"},
                                "Vertex quality shows",
                                "What the quality of the vertices is to hold afterwards."));
+        list.addParam(RichBool("colorize", true, "Colour by vertex quality",
+                               "If it shows the stretch or the distance: the lowest blue, the highest red."));
         list.addParam(RichFileOpen("template_landmarks", "", points_files, "Landmarks on the template",
                                    "Named points on the template: .pp picked on the current layer, "
                                    ".mrk.json, .fcsv; or one .csv with template_x.. and target_x..",
@@ -156,10 +159,29 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                      "Distance of attachments",
                                      "Vertices of the bone as near as this to the template hold it.",
                                      true, "Attachments"));
+        list.addParam(RichPercentage("attachment_tolerance", 0, 0, diagonal, "Tolerance of attachments",
+                                     "How far an attachment may be off; 0: the tolerance.", true,
+                                     "Attachments"));
+        list.addParam(RichBool("hard_attachments", false, "Meet attachments exactly",
+                               "Whatever the markers say; else both are weighed.", true, "Attachments"));
+        list.addParam(RichBool("fix_selected", false, "Selected vertices stay",
+                               "The vertices that are selected on the current layer do not move.", true,
+                               "Attachments"));
         list.addParam(RichInt("max_iterations",
-                              static_cast<int>(moulage::reshaping_options().max_iterations),
-                              "Iterations at most", "The shape so far is taken when they run out.",
+                              static_cast<int>(defaults.max_iterations),
+                              "Iterations at most",
+                              "The shape so far is taken when they run out; 0: as many as by default.",
                               true, "Solver"));
+        list.addParam(RichFloat("smoothness", static_cast<Scalarm>(defaults.smoothness), "Smoothness",
+                                "How strongly neighbouring places are stretched alike: more for few or "
+                                "inexact markers.", true, "Solver"));
+        list.addParam(RichFloat("screening", static_cast<Scalarm>(defaults.screening), "Reach of markers",
+                                "Farther from them than so many sizes of the template it is stretched as "
+                                "in the mean; 0: by how much of it was marked.", true, "Solver"));
+        list.addParam(RichFloat("poisson", static_cast<Scalarm>(defaults.poisson), "Poisson's ratio",
+                                "Above 0 and below 0.5: the nearer to 0.5, the better the tissue keeps its "
+                                "volume.", true, "Solver"));
+        add_time_limit(list, true);
         add_tet_parameters(list, true);
         break;
     case REGISTER:
@@ -174,6 +196,7 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                 "Without a file: how far each joint may turn in any direction."));
         list.addParam(RichBool("align", true, "Try all orientations",
                                "Off if the template already lies about where the person is."));
+        add_time_limit(list, false);
         list.addParam(RichFileSave("save", "", "*.skeleton.json", "Save the skeleton as",
                                    "Bones, joint frames and residuals of the person; left empty, "
                                    "nothing is saved."));
@@ -190,6 +213,7 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                      "2000."));
         list.addParam(RichInt("rings", static_cast<int>(moulage::separation_options().rings), "Rings",
                               "Vertices up to this many edges away from an overlap may move."));
+        add_time_limit(list, false);
         add_tet_parameters(list, true);
         break;
     case TETRAHEDRALIZE:
@@ -201,7 +225,7 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
         list.addParam(RichMesh("markers", other, &document, "Markers",
                                "The layer whose vertices are measured to."));
         list.addParam(RichBool("colorize", true, "Colour by distance",
-                               "Red: a marker is near; blue: far."));
+                               "Blue: a marker is near; red: far."));
         break;
     default: break;
     }
@@ -216,14 +240,25 @@ std::map<std::string, QVariant> FilterMoulage::applyFilter(const QAction *action
     try {
         moulage::check_version();
         postConditionMask = static_cast<unsigned int>(postCondition(action));
+        warnings_ = 0;
+        Figures figures;
         switch (ID(action)) {
-        case RESHAPE: return reshape(parameters, document, callback);
-        case REGISTER: return register_skeleton(parameters, document, callback);
-        case SEPARATE: return separate(parameters, document, callback);
-        case TETRAHEDRALIZE: return tetrahedralize(parameters, document, callback);
-        case DISTANCE: return distance(parameters, document);
+        case RESHAPE:
+            figures = reshape(parameters, document, callback);
+            // MeshLab shows what is said to have changed.
+            if (parameters.getEnum("quality") == 0) postConditionMask &= ~unsigned(MeshModel::MM_VERTQUALITY);
+            if (parameters.getEnum("quality") == 0 || !parameters.getBool("colorize"))
+                postConditionMask &= ~unsigned(MeshModel::MM_VERTCOLOR);
+            break;
+        case REGISTER: figures = register_skeleton(parameters, document, callback); break;
+        case SEPARATE: figures = separate(parameters, document, callback); break;
+        case TETRAHEDRALIZE: figures = tetrahedralize(parameters, document, callback); break;
+        case DISTANCE: figures = distance(parameters, document); break;
         default: wrongActionCalled(action);
         }
+        // Scripts do not see the log.
+        figures["warnings"] = warnings_;
+        return figures;
     } catch (const MLException &) {
         throw;
     } catch (const std::bad_alloc &) {
@@ -232,13 +267,11 @@ std::map<std::string, QVariant> FilterMoulage::applyFilter(const QAction *action
         // MeshLab shows only its own exceptions; any other would end it.
         fail(QString::fromUtf8(error.what()));
     }
-    return {};
 }
 
-/** Logs warnings line by line. */
 void FilterMoulage::warn(const std::string &sentences) {
     std::istringstream lines(sentences);
-    for (std::string line; std::getline(lines, line);) log("note: %s", line.c_str());
+    for (std::string line; std::getline(lines, line); ++warnings_) log("note: %s", line.c_str());
 }
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterMoulage)

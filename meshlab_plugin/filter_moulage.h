@@ -42,7 +42,10 @@ private:
     Figures tetrahedralize(const RichParameterList &parameters, MeshDocument &document,
                            vcg::CallBackPos *callback);
     Figures distance(const RichParameterList &parameters, MeshDocument &document);
+    /** Logs warnings, one per line, and counts them. */
     void warn(const std::string &sentences);
+
+    int warnings_ = 0;
 };
 
 #endif

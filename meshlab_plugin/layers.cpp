@@ -2,15 +2,15 @@
 #include "layers.h"
 
 #include <algorithm>
-#include <chrono>
-#include <thread>
 
 #include <common/mlexception.h>
+#include <vcg/complex/algorithms/stat.h>
+#include <vcg/complex/algorithms/update/color.h>
 
 namespace {
 
 /** Time between two looks at a run. MeshLab redraws at most every 100 ms. */
-constexpr auto POLL = std::chrono::milliseconds(30);
+constexpr double POLL_SECONDS = 0.03;
 
 /** Null for a layer that lies in the frame of the scene: no number changes then. */
 const Matrix44m *unless_identity(const Matrix44m &matrix) {
@@ -23,16 +23,57 @@ const Matrix44m *unless_identity(const Matrix44m &matrix) {
 
 [[noreturn]] void fail(const QString &sentence) { throw MLException(sentence); }
 
-void follow(const moulage::Run &run, vcg::CallBackPos *callback) {
-    for (;;) {
+void follow(const moulage::Run &run, vcg::CallBackPos *callback, double seconds) {
+    while (!run.wait_for(POLL_SECONDS)) {
         const MlgProgress progress = run.poll();
-        if (progress.state != MLG_RUN_RUNNING) return;
         if (callback && !callback(static_cast<int>(100 * progress.fraction), progress.stage)) {
             run.cancel();
             fail("Stopped; nothing was changed.");
         }
-        std::this_thread::sleep_for(POLL);
+        // Not before there is something to take.
+        if (seconds > 0 && progress.seconds > seconds && progress.iteration > 0) run.cancel();
     }
+}
+
+void add_time_limit(RichParameterList &list, bool hidden) {
+    list.addParam(RichFloat("seconds", 0, "Seconds at most",
+                            "The best shape so far is taken when they are over; 0: no limit.", hidden,
+                            hidden ? "Solver" : ""));
+}
+
+std::uint32_t count(const RichParameterList &parameters, const char *name) {
+    const int value = parameters.getInt(name);
+    if (value < 0) fail(QString("%1 is %2; it must be 0 or more.").arg(name).arg(value));
+    return static_cast<std::uint32_t>(value);
+}
+
+double amount(const RichParameterList &parameters, const char *name) {
+    const double value = double(parameters.getFloat(name));
+    if (!(value >= 0)) fail(QString("%1 is %2; it must be 0 or more.").arg(name).arg(value));
+    return value;
+}
+
+double amount(const RichParameterList &parameters, const char *name, double by_default) {
+    // Numbers pass through single precision on their way here.
+    const double value = amount(parameters, name);
+    return static_cast<float>(value) == static_cast<float>(by_default) ? by_default : value;
+}
+
+std::vector<std::uint32_t> selected_vertices(const MeshModel &layer) {
+    std::vector<std::uint32_t> selected;
+    std::uint32_t number = 0;
+    for (const CVertexO &vertex : layer.cm.vert) {
+        if (vertex.IsD()) continue;
+        if (vertex.IsS()) selected.push_back(number);
+        ++number;
+    }
+    return selected;
+}
+
+void colour_by_quality(MeshModel &layer) {
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+    const auto range = vcg::tri::Stat<CMeshO>::ComputePerVertexQualityMinMax(layer.cm);
+    vcg::tri::UpdateColor<CMeshO>::PerVertexQualityRamp(layer.cm, range.second, range.first);
 }
 
 MeshModel &layer(MeshDocument &document, const RichParameterList &parameters, const char *name) {
@@ -114,7 +155,7 @@ moulage::Tetrahedralization fill(const moulage::TriMesh &surface,
     const std::string tetgen = file(parameters, "tetgen");
     MlgTetrahedralizationOptions options = moulage::tetrahedralization_options();
     options.method = static_cast<std::uint32_t>(parameters.getEnum("tets"));
-    options.tet_count = static_cast<std::uint32_t>(std::max(0, parameters.getInt("tet_count")));
+    options.tet_count = count(parameters, "tet_count");
     options.tetgen_path = tetgen.empty() ? nullptr : tetgen.c_str();
     const auto run = moulage::start_tets(surface, options);
     follow(run, callback);

@@ -17,8 +17,24 @@
 /** Ends the filter with a sentence for the user. */
 [[noreturn]] void fail(const QString &sentence);
 
-/** Follows a run with MeshLab's progress bar until it ends; stops it if MeshLab says so. */
-void follow(const moulage::Run &run, vcg::CallBackPos *callback);
+/** Follows a run with MeshLab's progress bar until it ends; stops it if MeshLab says so. After `seconds` (0: no limit) the
+ * run is asked to end with the best it has. */
+void follow(const moulage::Run &run, vcg::CallBackPos *callback, double seconds = 0);
+
+/** The parameter "seconds", for `follow`: MeshLab's progress bar has no button to cancel. */
+void add_time_limit(RichParameterList &list, bool hidden);
+
+/** A number of a parameter that is 0 or more. */
+std::uint32_t count(const RichParameterList &parameters, const char *name);
+double amount(const RichParameterList &parameters, const char *name);
+/** The same, in double precision where the default was left as it is. */
+double amount(const RichParameterList &parameters, const char *name, double by_default);
+
+/** The numbers of a layer's selected vertices, as `arrays_of` counts them. */
+std::vector<std::uint32_t> selected_vertices(const MeshModel &layer);
+
+/** Colours the vertices by their quality: the lowest blue, the highest red. */
+void colour_by_quality(MeshModel &layer);
 
 /** The layer that the parameter `name` chooses. */
 MeshModel &layer(MeshDocument &document, const RichParameterList &parameters, const char *name);

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include <Eigen/Core>
-#include <vcg/complex/algorithms/update/color.h>
 
 #include "layers.h"
 
@@ -64,11 +63,7 @@ FilterMoulage::Figures FilterMoulage::distance(const RichParameterList &paramete
     const std::vector<double> of = surface.distances_of(markers);
 
     set_quality(own, to);
-    if (parameters.getBool("colorize")) {
-        own.updateDataMask(MeshModel::MM_VERTCOLOR);
-        vcg::tri::UpdateColor<CMeshO>::PerVertexQualityRamp(
-            own.cm, 0, Scalarm(*std::max_element(to.begin(), to.end())));
-    }
+    if (parameters.getBool("colorize")) colour_by_quality(own);
     const double largest = *std::max_element(of.begin(), of.end());
     log("%i markers: distance to the surface mean %g, 95 %% below %g, largest %g",
         int(of.size()), mean(of), percentile(of, 0.95), largest);

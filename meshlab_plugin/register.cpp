@@ -106,7 +106,7 @@ FilterMoulage::Figures FilterMoulage::register_skeleton(const RichParameterList 
     MlgRegistrationOptions options = moulage::registration_options();
     options.align = parameters.getBool("align") ? 1 : 0;
     const auto run = problem.start(options);
-    follow(run, callback);
+    follow(run, callback, amount(parameters, "seconds"));
     const moulage::RegistrationResult result = run.wait();
     const moulage::Skeleton person = result.skeleton();
     const std::string save = file(parameters, "save", true);
@@ -125,12 +125,14 @@ FilterMoulage::Figures FilterMoulage::register_skeleton(const RichParameterList 
         log("%s: residual %g, seen %i %%", person.bone_name(b).c_str(), result.bone_fit(b).mean_residual,
             int(100 * result.bone_fit(b).seen));
     warn(result.warnings());
+    if (summary.cancelled) warn("the time was over before the end; the bones are where they were then");
     log("%i bones: mean residual %g, largest %g; %i iterations, %.1f s", int(person.bone_count()),
         summary.mean_residual, summary.max_residual, int(summary.iterations), summary.seconds);
     return {{"mean_residual", summary.mean_residual},
             {"max_residual", summary.max_residual},
             {"suspicious_bones", int(summary.suspicious_bones)},
             {"joints_outside", int(summary.joints_outside)},
+            {"cancelled", summary.cancelled != 0},
             {"iterations", int(summary.iterations)},
             {"seconds", summary.seconds}};
 }

@@ -80,14 +80,23 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
     problem.set_markers(markers);
     problem.set_landmarks(places, targets);
     problem.set_attachments(held, held_at);
+    if (parameters.getBool("fix_selected")) {
+        const std::vector<std::uint32_t> selected = selected_vertices(own);
+        if (selected.empty()) fail("No vertex of the current layer is selected to stay.");
+        problem.set_fixed(selected);
+    }
     warn(problem.check());
     MlgReshapingOptions options = moulage::reshaping_options();
     options.tolerance = double(parameters.getAbsPerc("tolerance"));
     options.landmark_tolerance = double(parameters.getAbsPerc("landmark_tolerance"));
-    options.max_iterations =
-        static_cast<std::uint32_t>(std::max(0, parameters.getInt("max_iterations")));
+    options.attachment_tolerance = double(parameters.getAbsPerc("attachment_tolerance"));
+    options.hard_attachments = parameters.getBool("hard_attachments") ? 1 : 0;
+    options.max_iterations = count(parameters, "max_iterations");
+    options.smoothness = amount(parameters, "smoothness", options.smoothness);
+    options.screening = amount(parameters, "screening", options.screening);
+    options.poisson = amount(parameters, "poisson", options.poisson);
     const auto run = problem.start(options);
-    follow(run, callback);
+    follow(run, callback, amount(parameters, "seconds"));
     const moulage::ReshapingResult result = run.wait();
 
     set_points(own, result.points());
@@ -99,19 +108,21 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
         const std::vector<double> distances = person.distances_to(markers);
         set_quality(own, distances);
     }
+    if (shown != KEPT && parameters.getBool("colorize")) colour_by_quality(own);
 
     const MlgReshapingSummary summary = result.summary();
-    log("%i markers: mean distance %g, largest %g; %i iterations, %.1f s", int(markers.size() / 3),
-        summary.mean_marker_distance, summary.max_marker_distance, int(summary.iterations),
-        summary.seconds);
+    log("%i markers: mean distance %g, largest %g; %s after %i iterations, %.1f s",
+        int(markers.size() / 3), summary.mean_marker_distance, summary.max_marker_distance,
+        result.stop_name().c_str(), int(summary.iterations), summary.seconds);
     if (summary.stop == MLG_STOP_ITERATION_LIMIT)
-        log("note: the iterations ran out; allow more, or a larger tolerance");
+        warn("the iterations ran out; allow more, or a larger tolerance");
     if (summary.stop == MLG_STOP_NO_STEP)
-        log("note: no step makes it better; look for points that contradict each other, or allow a larger "
-            "tolerance");
+        warn("no step makes it better; look for points that contradict each other, or allow a larger tolerance");
+    if (summary.stop == MLG_STOP_CANCELLED) warn("the time was over before the end; this is the best shape so far");
     if (summary.inverted_tets > 0)
-        log("note: the shape is folded in places (%i inverted tets)", int(summary.inverted_tets));
-    return {{"mean_marker_distance", summary.mean_marker_distance},
+        warn("the shape is folded in places (" + std::to_string(summary.inverted_tets) + " inverted tets)");
+    return {{"stop", int(summary.stop)},
+            {"mean_marker_distance", summary.mean_marker_distance},
             {"max_marker_distance", summary.max_marker_distance},
             {"iterations", int(summary.iterations)},
             {"inverted_tets", int(summary.inverted_tets)},

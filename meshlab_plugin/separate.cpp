@@ -101,9 +101,9 @@ FilterMoulage::Figures FilterMoulage::separate(const RichParameterList &paramete
         problem.add_obstacle(name_of(*obstacle), surface_in_scene(*obstacle));
     MlgSeparationOptions options = moulage::separation_options();
     options.gap = double(parameters.getAbsPerc("gap"));
-    options.rings = static_cast<std::uint32_t>(std::max(0, parameters.getInt("rings")));
+    options.rings = count(parameters, "rings");
     const auto run = problem.start(options);
-    follow(run, callback);
+    follow(run, callback, amount(parameters, "seconds"));
     const moulage::SeparationResult result = run.wait();
 
     int moved = 0;
@@ -111,8 +111,8 @@ FilterMoulage::Figures FilterMoulage::separate(const RichParameterList &paramete
         const MlgSeparatedBody body = result.body(b);
         const std::string name = name_of(*scene.bodies[b]);
         if (body.markers_inside_obstacles > 0)
-            log("note: %i markers of %s lie inside a fixed layer and cannot be met",
-                int(body.markers_inside_obstacles), name.c_str());
+            warn(std::to_string(body.markers_inside_obstacles) + " markers of " + name +
+                 " lie inside a fixed layer and cannot be met");
         if (body.moved_vertices == 0) continue;
         set_points_in_scene(*scene.bodies[b], result.points(b));
         moved += int(body.moved_vertices);
@@ -140,9 +140,10 @@ FilterMoulage::Figures FilterMoulage::separate(const RichParameterList &paramete
     if (summary.separated)
         log("No triangle of one surface crosses or lies inside another.");
     else
-        log("note: %i overlaps are left; allow more rings, or look whether the shapes contradict each "
-            "other", after);
+        warn(std::to_string(after) + " overlaps are left; allow more rings or more time, or look whether the "
+                                     "shapes contradict each other");
     return {{"separated", summary.separated != 0},
+            {"ending", int(summary.ending)},
             {"overlaps_before", before},
             {"overlaps_after", after},
             {"deepest_before", deepest[0]},

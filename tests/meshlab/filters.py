@@ -21,6 +21,8 @@ TETS = "get_tetrahedralization_quality"
 DISTANCE = "compute_scalar_by_distance_to_markers_per_vertex"
 EXAMPLES = os.path.join(os.path.dirname(__file__), "..", "..", "examples")
 
+SETTLED, TOLERANCE_MET, ITERATION_LIMIT, CANCELLED = 0, 1, 3, 4
+
 POINTS, FACES = sphere()
 MARKERS = POINTS[::3] * [1.5, 1, 0.8]
 
@@ -54,6 +56,7 @@ def markers_as_the_command_line():
     assert before[3].any() and not before[3].all()
     assert np.array_equal(mesh.vertex_matrix(), wanted), np.abs(mesh.vertex_matrix() - wanted).max()
     assert figures["mean_marker_distance"] < 0.01 and figures["inverted_tets"] == 0
+    assert figures["stop"] in (SETTLED, TOLERANCE_MET) and figures["warnings"] == 0, figures
 
     # The same with each layer in a frame of its own.
     ms = pymeshlab.MeshSet()
@@ -80,7 +83,43 @@ def markers_as_the_command_line():
         ms.apply_filter(RESHAPE, markers=marker_layer, quality=choice, **options)
         found = ms.current_mesh().vertex_scalar_array()
         assert np.allclose(found, values, rtol=1e-5, atol=1e-7), np.abs(found - values).max()
+        colours = ms.current_mesh().vertex_color_matrix()
+        assert (colours[found.argmax()] == [1, 0, 0, 1]).all() and (colours[found.argmin()] == [0, 0, 1, 1]).all()
     print("reshape: as the command line; all else kept; matrices; quality")
+
+
+def solver_settings():
+    template, markers = f"{OUT}/template.ply", f"{OUT}/markers.ply"
+    cli("reshape", "--template", template, "--markers", markers, "--tolerance", 0.0078125, "--smoothness", 0.25,
+        "--screening", 2, "--poisson", 0.25, "--max-iterations", 40, "--tets", "lattice", "--tet-count", 1500,
+        "-o", f"{OUT}/set.ply")
+    options = dict(tolerance=PureValue(0.0078125), tets="Lattice", tet_count=1500)
+
+    def reshaped(selected="", **settings):
+        ms = pymeshlab.MeshSet()
+        marker_layer = add(ms, MARKERS)
+        add(ms, POINTS, FACES)
+        if selected:
+            ms.compute_selection_by_condition_per_vertex(condselect=selected)
+        figures = ms.apply_filter(RESHAPE, markers=marker_layer, **options, **settings)
+        # A mesh dies with its set.
+        return ms, figures
+
+    ms, _ = reshaped(smoothness=0.25, screening=2, poisson=0.25, max_iterations=40)
+    assert np.array_equal(ms.current_mesh().vertex_matrix(), vertices_of(f"{OUT}/set.ply"))
+
+    ms, figures = reshaped(quality="Largest stretch", colorize=False, max_iterations=1)
+    assert figures["stop"] == ITERATION_LIMIT and figures["warnings"] == 1, figures
+    assert (ms.current_mesh().vertex_color_matrix() == 1).all()
+    ms, figures = reshaped(seconds=0.001, max_iterations=0)
+    assert figures["stop"] == CANCELLED and figures["warnings"] == 1, figures
+    assert figures["mean_marker_distance"] < 0.2
+
+    low = POINTS[:, 2] < -0.9
+    ms, _ = reshaped(selected="z < -0.9", fix_selected=True)
+    off = np.linalg.norm(ms.current_mesh().vertex_matrix() - POINTS, axis=1)
+    assert low.sum() > 10 and off[low].max() < 0.0078125 and off[~low].max() > 0.3, off[low].max()
+    print("reshape: the solver's settings, time, colours, vertices that stay")
 
 
 def scalar_of(path, name):
@@ -153,6 +192,20 @@ def landmarks_alignment_and_bones():
                     attachment_distance=PureValue(0.05), tets="Lattice", tet_count=1500)
     moved = ms.current_mesh().vertex_matrix()
     assert abs(moved[0][2] - 1.5) < 0.1, moved[0]
+
+    # Markers that contradict the bone: it wins where that is said.
+    off = []
+    for hard in (False, True):
+        ms.clear()
+        bone_layer = add(ms, bone)
+        there_layer = add(ms, bone + [0, 0, 0.5])
+        marker_layer = add(ms, POINTS)
+        add(ms, POINTS, FACES)
+        ms.apply_filter(RESHAPE, markers=marker_layer, bone=bone_layer, person_bone=there_layer,
+                        attachment_distance=PureValue(0.05), attachment_tolerance=PureValue(0.05),
+                        hard_attachments=hard, tets="Lattice", tet_count=1500)
+        off.append(abs(ms.current_mesh().vertex_matrix()[0][2] - 1.5))
+    assert off[1] < 0.06 and off[1] < off[0], off
     print("reshape: landmarks in .pp, alignment, attachments")
 
 
@@ -259,6 +312,11 @@ def mistakes():
     error_of(ms, RESHAPE, "do not determine a shape", markers=few)
     error_of(ms, RESHAPE, "bring both to one unit", markers=inches)
     error_of(ms, RESHAPE, "a tet count of 3 cannot be met", markers=marker_layer, tet_count=3)
+    error_of(ms, RESHAPE, "max_iterations is -5; it must be 0 or more", markers=marker_layer, max_iterations=-5)
+    error_of(ms, RESHAPE, "tet_count is -1", markers=marker_layer, tet_count=-1)
+    error_of(ms, RESHAPE, "smoothness is -1", markers=marker_layer, smoothness=-1)
+    error_of(ms, RESHAPE, "Poisson's ratio must lie", markers=marker_layer, poisson=0.5)
+    error_of(ms, RESHAPE, "No vertex of the current layer is selected", markers=marker_layer, fix_selected=True)
     error_of(ms, RESHAPE, "nowhere.pp", markers=marker_layer, template_landmarks="nowhere.pp",
              person_landmarks="nowhere.pp")
     error_of(ms, RESHAPE, "need landmarks on the template", markers=marker_layer,
@@ -293,6 +351,7 @@ def scripts():
 
 
 markers_as_the_command_line()
+solver_settings()
 landmarks_alignment_and_bones()
 skeletons()
 separations()

@@ -7,6 +7,7 @@ import pymeshlab
 
 from support import OUT, RIGID, add, cli, error_of, save_ply, sphere, vertices_of
 
+CANCELLED = 2
 SEPARATE = "apply_coord_separate_layers"
 OPTIONS = dict(tets="Lattice", tet_count=1500)
 POINTS, FACES = sphere()
@@ -77,12 +78,23 @@ def markers_hold_their_surface():
     assert left_held < 0.5 * left and right_held > right, moves
 
 
+def time_runs_out():
+    """Three bodies in one place take minutes to part."""
+    ms = pymeshlab.MeshSet()
+    for number in range(3):
+        add(ms, POINTS * (1 + 0.01 * number), FACES, f"body{number}")
+    figures = ms.apply_filter(SEPARATE, seconds=1, tets="Lattice", tet_count=500)
+    assert figures["ending"] == CANCELLED and not figures["separated"] and figures["warnings"] == 1, figures
+
+
 def mistakes():
     ms, layers = scene("left", "right")
     error_of(ms, SEPARATE, "do not name a layer that may move", markers="left-nothing")
     error_of(ms, SEPARATE, 'called "femur"', fixed="femur")
     error_of(ms, SEPARATE, "nothing to separate", fixed="left, right")
     error_of(ms, SEPARATE, "ring", rings=0, **OPTIONS)
+    error_of(ms, SEPARATE, "rings is -1; it must be 0 or more", rings=-1, **OPTIONS)
+    error_of(ms, SEPARATE, "seconds is -1", seconds=-1, **OPTIONS)
     # A hidden layer does not count.
     ms.set_current_mesh(layers["right"])
     ms.set_current_mesh_visibility(False)
@@ -93,5 +105,6 @@ def separations():
     as_the_command_line()
     each_layer_in_a_frame_of_its_own()
     markers_hold_their_surface()
+    time_runs_out()
     mistakes()
     print("separate: as the command line; fixed and hidden layers; matrices; markers; mistakes")
