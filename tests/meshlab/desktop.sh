@@ -11,6 +11,7 @@ tests/meshlab/sources.sh "$work"
 mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' | grep -E '/debian/?$' | head -1)
 
 if [ ! -x "$root/usr/bin/meshlab" ]; then
+    command -v debootstrap >/dev/null || apt-get install -y -qq debootstrap
     debootstrap --variant=minbase sid "$root" "$mirror"
     # The last four of the first line are missing among the package's own dependencies.
     chroot "$root" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
@@ -18,9 +19,9 @@ if [ ! -x "$root/usr/bin/meshlab" ]; then
         xvfb xauth openbox xdotool imagemagick libgl1-mesa-dri
 fi
 
-cargo build --release
+built=$(tests/build.sh)
 cmake -S meshlab_plugin -B "$work/2025.07-float" -DMESHLAB_SOURCE_DIR="$work/source" \
-    -DMESHLAB_VERSION=2025.07 -DMOULAGE_LIBRARY="$(realpath "${CARGO_TARGET_DIR:-target}/release/libmoulage.a")" >/dev/null
+    -DMESHLAB_VERSION=2025.07 -DMOULAGE_LIBRARY="$built/libmoulage.a" >/dev/null
 cmake --build "$work/2025.07-float"
 plugins=$root/root/.local/share/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07
 mkdir -p "$plugins" "$root/session"

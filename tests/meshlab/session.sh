@@ -33,9 +33,9 @@ sleep 2
 shot menu
 click 549 487
 shot dialog
-click 800 716 # Apply
+click 800 726 # Apply
 wait_for 'Applied filter: Reshape Template to Markers'
-click 568 716 # Close
+click 568 726 # Close
 shot reshaped 630
 
 click 1258 59 # search
