@@ -5,11 +5,12 @@ set -euo pipefail
 folder=$(realpath -m "$(dirname "$0")/../target/cache/$1")
 python=$2
 shift 2
-# Made again when other packages are asked for, or when it was not finished.
-if [ "$(cat "$folder/packages" 2>/dev/null)" != "$*" ]; then
+# Made again when other packages are asked for, when it was not finished, or when it was moved: its programs name its place.
+asked="$folder: $*"
+if [ "$(cat "$folder/packages" 2>/dev/null)" != "$asked" ]; then
     rm -rf "$folder"
     "$python" -m venv "$folder"
     "$folder/bin/pip" install --quiet --no-cache-dir "$@" >&2
-    echo "$*" >"$folder/packages"
+    echo "$asked" >"$folder/packages"
 fi
 echo "$folder"

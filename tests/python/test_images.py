@@ -41,27 +41,6 @@ class Volumes(unittest.TestCase):
         self.assertAlmostEqual(length, 4.0)
         self.assertEqual(moulage.section(surface, (0, 0, 5), (0, 0, 1)), [])
 
-    def test_a_label_map_gives_its_labels_markers_and_surface(self):
-        grid = numpy.arange(-12, 13)
-        z, y, x = numpy.meshgrid(grid, grid, grid, indexing="ij")
-        values = numpy.where(x**2 + y**2 + z**2 < 81, 7, 0).astype(numpy.int16)
-        head = (
-            "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 25 25 25\n"
-            "space directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (-24,-24,-24)\nencoding: raw\nendian: little\n\n"
-        )
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "ball.nrrd"
-            path.write_bytes(head.encode() + values.tobytes())
-            volume = moulage.Volume(path)
-        self.assertEqual(volume.labels, [7])
-        few = volume.label_markers(7, spacing=12).points
-        many = volume.label_markers(7, [(0, 0, 1), (1, 0, 0)], spacing=6, every=4).points
-        self.assertGreater(len(many), 3 * len(few))
-        for points in (few, many, volume.label_surface(7).points):
-            numpy.testing.assert_allclose(numpy.linalg.norm(points, axis=1), 18, atol=1.5)
-        with self.assertRaisesRegex(moulage.Error, "it has 7"):
-            volume.label_markers(8)
-
     def test_an_array_becomes_an_image_at_its_place_and_gives_itself_back(self):
         values = numpy.arange(24, dtype=numpy.int16).reshape(2, 3, 4)
         turned = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
@@ -79,13 +58,19 @@ class Volumes(unittest.TestCase):
         with self.assertRaisesRegex(moulage.Error, "grid.spacing\\[1\\] is 0"):
             moulage.Volume.from_array(values, (1, 0, 1))
 
-    def test_a_label_from_an_array_has_outlines_on_a_plane(self):
+    def test_a_label_map_gives_its_labels_outlines_markers_and_surface(self):
         k, j, i = numpy.meshgrid(*[numpy.arange(-12, 13)] * 3, indexing="ij")
-        ball = moulage.Volume.from_array(i**2 + j**2 + k**2 < 81, (2, 2, 2), (-24, -24, -24))
-        self.assertEqual((ball.labels, ball.notes), ([1], []))
-        (ring,) = ball.outlines(1, ball.plane((0, 0, 1), 0))
-        numpy.testing.assert_allclose(numpy.linalg.norm(ring, axis=1), 18, atol=1.5)
+        ball = moulage.Volume.from_array(7 * (i**2 + j**2 + k**2 < 81), (2, 2, 2), (-24, -24, -24))
+        self.assertEqual((ball.labels, ball.notes), ([7], []))
+        (ring,) = ball.outlines(7, ball.plane((0, 0, 1), 0))
         numpy.testing.assert_allclose(ring[0], ring[-1])
+        few = ball.label_markers(7, spacing=12).points
+        many = ball.label_markers(7, [(0, 0, 1), (1, 0, 0)], spacing=6, every=4).points
+        self.assertGreater(len(many), 3 * len(few))
+        for points in (ring, few, many, ball.label_surface(7).points):
+            numpy.testing.assert_allclose(numpy.linalg.norm(points, axis=1), 18, atol=1.5)
+        with self.assertRaisesRegex(moulage.Error, "it has 7"):
+            ball.label_markers(8)
 
 
 if __name__ == "__main__":
