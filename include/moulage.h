@@ -549,9 +549,9 @@ void mlg_run_cancel(const MlgRun *run);
 
 /**
  * Copies the latest shape of the surface (registrations: of all bones, one after the other), for a
- * live view: `3 * *out_count` coordinates into `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
- * before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
- * `capacity` is 0.
+ * live view: `3 * *out_count` coordinates into `buffer`, which has room for `3 * capacity`.
+ * `*out_count` is the number of points there are: 0 before the first shape; if it is above
+ * `capacity`, nothing is copied. `buffer` may be NULL if `capacity` is 0.
  */
 MlgStatus mlg_run_preview_points(const MlgRun *run,
                                  double *buffer,

@@ -177,7 +177,7 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                 "inexact markers.", true, "Solver"));
         list.addParam(RichFloat("screening", static_cast<Scalarm>(defaults.screening), "Reach of markers",
                                 "Farther from them than so many sizes of the template it is stretched as "
-                                "in the mean; 0: by how much of it was marked.", true, "Solver"));
+                                "on average; 0: by how much of it was marked.", true, "Solver"));
         list.addParam(RichFloat("poisson", static_cast<Scalarm>(defaults.poisson), "Poisson's ratio",
                                 "Above 0 and below 0.5: the nearer to 0.5, the better the tissue keeps its "
                                 "volume.", true, "Solver"));

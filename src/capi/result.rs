@@ -85,22 +85,28 @@ impl Distances {
     fn new(problem: &Problem, reshaped: &Reshaped) -> Outcome<Self> {
         let markers: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
         let triangles = &problem.surface.triangles;
-        Ok(Self {
-            markers: marker_distances(&reshaped.surface_points, triangles, &markers),
-            landmarks: pair_distances(problem, reshaped, &problem.landmarks)?,
-            attachments: pair_distances(problem, reshaped, &problem.attachments)?,
-        })
+        let (landmarks, attachments) = pair_distances(problem, reshaped)?;
+        let markers = marker_distances(&reshaped.surface_points, triangles, &markers);
+        Ok(Self { markers, landmarks, attachments })
     }
 }
 
-fn pair_distances(problem: &Problem, reshaped: &Reshaped, pairs: &[Landmark]) -> Outcome<Vec<f64>> {
-    let at_rest = |pair: &Landmark| match pair.template {
+/// Of landmarks and of attachments: both are looked up in the tets at once.
+fn pair_distances(problem: &Problem, reshaped: &Reshaped) -> Outcome<(Vec<f64>, Vec<f64>)> {
+    let pairs: Vec<&Landmark> = problem.landmarks.iter().chain(&problem.attachments).collect();
+    if pairs.is_empty() {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    let at_rest = |pair: &&Landmark| match pair.template {
         TemplatePoint::Vertex(vertex) => problem.surface.points[vertex as usize],
         TemplatePoint::Position(position) => position,
     };
     let places: Vec<Vec3> = pairs.iter().map(at_rest).collect();
     let moved = Embedding::new(&problem.tets, &places)?.apply(&reshaped.tet_points);
-    Ok(pairs.iter().zip(moved).map(|(pair, now)| (now - pair.target).norm()).collect())
+    let mut landmarks: Vec<f64> =
+        pairs.iter().zip(moved).map(|(pair, now)| (now - pair.target).norm()).collect();
+    let attachments = landmarks.split_off(problem.landmarks.len());
+    Ok((landmarks, attachments))
 }
 
 impl ReshapingResult {

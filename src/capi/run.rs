@@ -60,24 +60,26 @@ type Answer = Box<dyn Any + Send>;
 /// Whether a computation has ended, and who waits for that.
 #[derive(Default)]
 struct End {
-    come: Mutex<bool>,
-    told: Condvar,
+    reached: Mutex<bool>,
+    signal: Condvar,
 }
 
 impl End {
     fn tell(&self) {
-        *self.come.lock().unwrap_or_else(PoisonError::into_inner) = true;
-        self.told.notify_all();
+        *self.reached.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.signal.notify_all();
     }
 
-    /// Whether it has come within a time; `None`: for ever.
+    /// Whether it is reached within a time; `None`: without a limit.
     fn wait(&self, at_most: Option<Duration>) -> bool {
-        let come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
-        let not_yet = |come: &mut bool| !*come;
+        let reached = self.reached.lock().unwrap_or_else(PoisonError::into_inner);
+        let not_yet = |reached: &mut bool| !*reached;
         match at_most {
-            None => *self.told.wait_while(come, not_yet).unwrap_or_else(PoisonError::into_inner),
+            None => {
+                *self.signal.wait_while(reached, not_yet).unwrap_or_else(PoisonError::into_inner)
+            }
             Some(time) => {
-                let waited = self.told.wait_timeout_while(come, time, not_yet);
+                let waited = self.signal.wait_timeout_while(reached, time, not_yet);
                 *waited.unwrap_or_else(PoisonError::into_inner).0
             }
         }
@@ -241,9 +243,9 @@ pub unsafe extern "C" fn mlg_run_cancel(run: *const MlgRun) {
 }
 
 /// Copies the latest shape of the surface (registrations: of all bones, one after the other), for a
-/// live view: `3 * *out_count` coordinates into `buffer`, which has room for `3 * capacity`. `*out_count` is the number of points there are: 0
-/// before the first shape; if it is above `capacity`, nothing is copied. `buffer` may be NULL if
-/// `capacity` is 0.
+/// live view: `3 * *out_count` coordinates into `buffer`, which has room for `3 * capacity`.
+/// `*out_count` is the number of points there are: 0 before the first shape; if it is above
+/// `capacity`, nothing is copied. `buffer` may be NULL if `capacity` is 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_run_preview_points(
     run: *const MlgRun,
