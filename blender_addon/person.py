@@ -12,6 +12,12 @@ from . import library, mesh_data, rig, skeleton, units
 
 # Marks objects that a run made, and the next one may remove.
 MADE = "moulage_made"
+# By the verdict on the whole.
+_ENDINGS = {
+    "good": "Done: good.",
+    "doubtful": "Done, but in doubt: look at the bones below.",
+    "failed": "Failed: the bones are not where the person's are.",
+}
 # From this share of the allowed rotation a joint is at its limit.
 AT_LIMIT = 0.995
 
@@ -219,10 +225,19 @@ def _carry(armature, own, run, found, collection):
 
 def _keep(own, template, found, kept, seconds, unit):
     summary = found.summary
-    kept.ending = "Stopped: what there was is kept." if summary["cancelled"] else "Done."
+    kept.verdict = summary["verdict"]
+    kept.ending = "Stopped: what there was is kept." if summary["cancelled"] else _ENDINGS[kept.verdict]
     kept.mean_residual, kept.max_residual = summary["mean_residual"] * unit, summary["max_residual"] * unit
     kept.iterations, kept.seconds = summary["iterations"], seconds
     kept.warnings = "\n".join(library.sentence(line) for line in found.warnings)
+    kept.bones.clear()
+    fits = [(name, found.bone_fit(number)) for number, name in enumerate(template.names)]
+    for verdict in ("failed", "doubtful"):
+        for name, fit in fits:
+            if fit["verdict"] == verdict:
+                row = kept.bones.add()
+                row.name, row.verdict = name, verdict
+                row.reasons = "\n".join(library.sentence(reason) for reason in fit["reasons"])
     kept.joints.clear()
     poses = [found.joint_pose(number) for number in range(len(template.joints))]
     for joint, pose in sorted(zip(template.joints, poses), key=lambda pair: -_usage(pair[1])):

@@ -86,6 +86,7 @@ class MOULAGE_PT_register(_NeedsSkeleton, bpy.types.Panel):
         settings = layout.column()
         if data.target_kind != "IMAGE":
             settings.prop(data, "near")
+            settings.prop(data, "as_is")
         settings.prop(data, "live")
         settings.prop(data, "keep")
         missing = registering.missing(armature)
@@ -106,6 +107,11 @@ class MOULAGE_UL_joints(bpy.types.UIList):
         figure.label(text=f"{math.degrees(item.rotation):.0f}°  {100 * item.usage:.0f} %")
 
 
+class MOULAGE_UL_bones(bpy.types.UIList):
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
+        layout.label(text=item.name, icon="CANCEL" if item.verdict == "failed" else "QUESTION")
+
+
 class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
     bl_label = "Person"
 
@@ -124,6 +130,11 @@ class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
         column.label(text=f"Bones: mean {mean},")
         column.label(text=f"largest {largest}")
         column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
+        if len(kept.bones) > 0:
+            layout.label(text=f"Bones in doubt: {len(kept.bones)}")
+            layout.template_list("MOULAGE_UL_bones", "", kept, "bones", kept, "active_bone", rows=3)
+            chosen = kept.bones[min(kept.active_bone, len(kept.bones) - 1)]
+            write(layout, context, f"{chosen.name} is {chosen.verdict}.\n{chosen.reasons}")
         if kept.warnings:
             write(layout, context, kept.warnings, "ERROR")
         tight = len(person.at_limit(kept))
@@ -155,4 +166,6 @@ class MOULAGE_PT_joint(bpy.types.Panel):
             column.prop(context.active_pose_bone.moulage, name)
 
 
-classes = (MOULAGE_UL_joints, MOULAGE_PT_skeleton, MOULAGE_PT_register, MOULAGE_PT_person, MOULAGE_PT_joint)
+classes = (
+    MOULAGE_UL_joints, MOULAGE_UL_bones, MOULAGE_PT_skeleton, MOULAGE_PT_register, MOULAGE_PT_person, MOULAGE_PT_joint,
+)

@@ -54,11 +54,22 @@ class MOULAGE_PG_joint_result(bpy.types.PropertyGroup):
     excess: FloatProperty(description="Rotation beyond the limit", subtype="ANGLE")
 
 
+class MOULAGE_PG_bone_verdict(bpy.types.PropertyGroup):
+    """A bone of the person that may be wrong."""
+
+    name: StringProperty()
+    verdict: StringProperty(description="doubtful or failed")
+    reasons: StringProperty(description="Why, and what can be done about it, one sentence per line")
+
+
 class MOULAGE_PG_registration(bpy.types.PropertyGroup):
     """What the run that made a person's skeleton said; lengths in the scene's units."""
 
     ending: StringProperty()
+    verdict: StringProperty(description="How far the whole can be trusted: good, doubtful, failed")
     warnings: StringProperty()
+    bones: CollectionProperty(type=MOULAGE_PG_bone_verdict, description="Bones that are not good, failed ones first")
+    active_bone: IntProperty()
     mean_residual: FloatProperty(default=-1.0)
     max_residual: FloatProperty(default=-1.0)
     iterations: IntProperty()
@@ -101,6 +112,10 @@ class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
     near: BoolProperty(
         name="Already in place", description="The skeleton lies near the person's bones: do not turn it"
     )
+    as_is: BoolProperty(
+        name="Meant as it is",
+        description="Take the target even if it looks like a mirror image of the skeleton, or as if it were in another unit",
+    )
     max_iterations: IntProperty(name="Iterations", description="At most so many per level; 0: the usual number", min=0)
     live: BoolProperty(name="Live view", description="Show the bones while they are being found", default=True)
     keep: BoolProperty(
@@ -114,8 +129,8 @@ class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
 
 
 classes = (
-    MOULAGE_PG_joint, MOULAGE_PG_loop, MOULAGE_PG_soft, MOULAGE_PG_joint_result, MOULAGE_PG_registration,
-    MOULAGE_PG_skeleton,
+    MOULAGE_PG_joint, MOULAGE_PG_loop, MOULAGE_PG_soft, MOULAGE_PG_joint_result, MOULAGE_PG_bone_verdict,
+    MOULAGE_PG_registration, MOULAGE_PG_skeleton,
 )
 
 

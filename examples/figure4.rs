@@ -99,7 +99,9 @@ pub fn ablation<const N: usize>(
     });
     let middle = |options: &Options, scans: &[(Skeleton, Target)]| {
         let one = |(truth, target): &(Skeleton, Target)| {
-            errors(&register(&template, target, options, &Run::new()).unwrap(), truth)
+            // The ablations' own results are wanted, wrong ones too.
+            let options = Options { as_is: true, ..options.clone() };
+            errors(&register(&template, target, &options, &Run::new()).unwrap(), truth)
         };
         let mut all: Vec<[f64; 3]> = scans.iter().map(one).collect();
         all.sort_by(|a, b| a[0].total_cmp(&b[0]));

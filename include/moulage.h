@@ -2271,6 +2271,15 @@ typedef struct MlgRegistrationOptions {
    * Number of radii.
    */
   size_t radius_count;
+  /**
+   * 1: the target is meant as it is, even if it looks like a mirror image or another unit. 0
+   * (default): such a target is refused.
+   */
+  uint32_t as_is;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
 } MlgRegistrationOptions;
 
 /**
@@ -2375,7 +2384,7 @@ typedef struct MlgRegistrationSummary {
    */
   uint32_t iterations;
   /**
-   * Bones that fit much worse than the others.
+   * Bones whose verdict is not good.
    */
   uint32_t suspicious_bones;
   /**
@@ -2394,6 +2403,14 @@ typedef struct MlgRegistrationSummary {
    * Seconds it took.
    */
   double seconds;
+  /**
+   * How far the whole can be trusted: a number of `MlgVerdict`.
+   */
+  uint32_t verdict;
+  /**
+   * Bones whose verdict is `FAILED`.
+   */
+  uint32_t failed_bones;
 } MlgRegistrationSummary;
 
 /**
@@ -2413,17 +2430,25 @@ typedef struct MlgBoneFit {
    */
   double max_residual;
   /**
-   * Share of the bone's area that the target shows, 0 to 1.
+   * Share of the bone's area that lies on the target, 0 to 1.
    */
   double seen;
   /**
-   * 1 if it fits much worse than the others: perhaps it lies on a neighbour's surface.
+   * 1 if its verdict is not good.
    */
   uint32_t suspicious;
   /**
    * 0.
    */
   uint32_t reserved;
+  /**
+   * How far it can be trusted: a number of `MlgVerdict`.
+   */
+  uint32_t verdict;
+  /**
+   * Why it is not good: sentences of `mlg_registration_result_bone_reasons`.
+   */
+  uint32_t reason_count;
 } MlgBoneFit;
 
 /**
@@ -2463,6 +2488,11 @@ typedef struct MlgJointPose {
    */
   double seam;
 } MlgJointPose;
+
+/**
+ * The name of an `MlgVerdict`, e.g. "DOUBTFUL"; "UNKNOWN" for other numbers. Static, never NULL.
+ */
+const char *mlg_verdict_name(uint32_t verdict);
 
 /**
  * The person's skeleton: bones in the template's vertex order, joint frames inside all limits. It is
@@ -2515,7 +2545,21 @@ MlgStatus mlg_registration_result_carry(const MlgRegistrationResult *result,
                                         MlgError *error);
 
 /**
- * Writes what to look at, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
+ * Writes why the verdict on a bone, a number from 0, is not good and what can be done about it, one
+ * sentence per line, worst first, into `buffer`: UTF-8, zero-terminated, cut to `capacity` bytes; empty
+ * for a good bone. `buffer` may be NULL if `capacity` is 0. `out_length`: bytes of the whole text
+ * without the zero; may be NULL.
+ */
+MlgStatus mlg_registration_result_bone_reasons(const MlgRegistrationResult *result,
+                                               size_t bone,
+                                               char *buffer,
+                                               size_t capacity,
+                                               size_t *out_length,
+                                               MlgError *error);
+
+/**
+ * Writes what to look at, first why the verdict on the whole is not good, then the worst bones and
+ * joints, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
  * `capacity` bytes; empty if there is nothing. `buffer` may be NULL if `capacity` is 0.
  * `out_length`: bytes of the whole text without the zero; may be NULL.
  */

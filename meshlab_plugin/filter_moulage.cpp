@@ -196,6 +196,9 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                 "Without a file: how far each joint may turn in any direction."));
         list.addParam(RichBool("align", true, "Try all orientations",
                                "Off if the template already lies about where the person is."));
+        list.addParam(RichBool("as_is", false, "Meant as it is",
+                               "Take the target even if it looks like a mirror image of the skeleton, or "
+                               "as if it were in another unit."));
         add_time_limit(list, false);
         list.addParam(RichFileSave("save", "", "*.skeleton.json", "Save the skeleton as",
                                    "Bones, joint frames and residuals of the person; left empty, "

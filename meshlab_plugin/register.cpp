@@ -105,6 +105,7 @@ FilterMoulage::Figures FilterMoulage::register_skeleton(const RichParameterList 
     problem.set_target(surface_in_scene(target));
     MlgRegistrationOptions options = moulage::registration_options();
     options.align = parameters.getBool("align") ? 1 : 0;
+    options.as_is = parameters.getBool("as_is") ? 1 : 0;
     const auto run = problem.start(options);
     follow(run, callback, amount(parameters, "seconds"));
     const moulage::RegistrationResult result = run.wait();
@@ -121,16 +122,21 @@ FilterMoulage::Figures FilterMoulage::register_skeleton(const RichParameterList 
     }
 
     const MlgRegistrationSummary summary = result.summary();
-    for (std::size_t b = 0; b < person.bone_count(); ++b)
-        log("%s: residual %g, seen %i %%", person.bone_name(b).c_str(), result.bone_fit(b).mean_residual,
-            int(100 * result.bone_fit(b).seen));
+    for (std::size_t b = 0; b < person.bone_count(); ++b) {
+        const MlgBoneFit fit = result.bone_fit(b);
+        log("%s: %s, residual %g, seen %i %%", person.bone_name(b).c_str(), mlg_verdict_name(fit.verdict),
+            fit.mean_residual, int(100 * fit.seen));
+    }
+    log("The result is %s.", result.verdict_name().c_str());
     warn(result.warnings());
     if (summary.cancelled) warn("the time was over before the end; the bones are where they were then");
     log("%i bones: mean residual %g, largest %g; %i iterations, %.1f s", int(person.bone_count()),
         summary.mean_residual, summary.max_residual, int(summary.iterations), summary.seconds);
-    return {{"mean_residual", summary.mean_residual},
+    return {{"verdict", int(summary.verdict)},
+            {"mean_residual", summary.mean_residual},
             {"max_residual", summary.max_residual},
             {"suspicious_bones", int(summary.suspicious_bones)},
+            {"failed_bones", int(summary.failed_bones)},
             {"joints_outside", int(summary.joints_outside)},
             {"cancelled", summary.cancelled != 0},
             {"iterations", int(summary.iterations)},

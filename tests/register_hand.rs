@@ -7,8 +7,8 @@ use moulage::Run;
 use moulage::io::read_surface;
 use moulage::job::{RegisterJob, read_skeleton, run_register};
 use moulage::math::Vec3;
-use moulage::register::Skeleton;
 use moulage::register::fast_sums::FastSums;
+use moulage::register::{Skeleton, Verdict};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Root mean square vertex error to reach, millimetres.
@@ -35,7 +35,7 @@ fn a_hand_is_found_and_written_and_its_result_is_a_template_again() {
     for joint in &result.registered.joints {
         assert!(joint.excess_degrees < 1e-6 && joint.excess_shift < 1e-9, "{}", joint.name);
     }
-    assert!(result.registered.bones.iter().all(|b| b.seen > 0.9 && !b.suspicious));
+    assert!(result.registered.bones.iter().all(|b| b.seen > 0.9 && b.verdict == Verdict::Good));
 
     let again = read_skeleton(&out.path().join("result.skeleton.json")).unwrap().skeleton;
     assert_eq!(again.bones, found.bones);

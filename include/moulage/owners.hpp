@@ -97,12 +97,14 @@ Handle *made(Function function, Arguments... arguments) {
     return handle;
 }
 
-/** A text that a C function writes into a buffer; it is asked for the length first. */
-template <class Function, class Handle> std::string text(Function function, const Handle *handle) {
+/** A text that a C function writes into a buffer; it is asked for the length first. `index`: of the part with that
+    number, if one is given. */
+template <class Function, class Handle, class... Index>
+std::string text(Function function, const Handle *handle, Index... index) {
     std::size_t length = 0;
-    call(function, handle, nullptr, std::size_t(0), &length);
+    call(function, handle, index..., nullptr, std::size_t(0), &length);
     std::string text(length + 1, '\0');
-    call(function, handle, &text[0], text.size(), &length);
+    call(function, handle, index..., &text[0], text.size(), &length);
     text.resize(length);
     return text;
 }

@@ -26,8 +26,14 @@ public:
     MlgRegistrationSummary summary() const {
         return filled<MlgRegistrationSummary>(mlg_registration_result_summary, as_const());
     }
+    /** How far the whole can be trusted: "GOOD", "DOUBTFUL", "FAILED". */
+    std::string verdict_name() const { return mlg_verdict_name(summary().verdict); }
     MlgBoneFit bone_fit(std::size_t bone) const {
         return filled<MlgBoneFit>(mlg_registration_result_bone_fit, as_const(), bone);
+    }
+    /** Why a bone is not good and what can be done about it, one sentence per line, worst first. */
+    std::string bone_reasons(std::size_t bone) const {
+        return text(mlg_registration_result_bone_reasons, as_const(), bone);
     }
     MlgJointPose joint_pose(std::size_t joint) const {
         return filled<MlgJointPose>(mlg_registration_result_joint_pose, as_const(), joint);
@@ -40,7 +46,7 @@ public:
         call(mlg_registration_result_carry, as_const(), tissue.as_const(), points.data());
         return points;
     }
-    /** What to look at, one sentence per line. */
+    /** What to look at: why the whole is not good, then the worst bones and joints; one sentence per line. */
     std::string warnings() const { return text(mlg_registration_result_warnings, as_const()); }
 };
 

@@ -249,6 +249,8 @@ class MlgRegistrationOptions(Versioned):
         ("thread_count", c_uint32),
         ("radii", c_void_p),
         ("radius_count", c_size_t),
+        ("as_is", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -262,6 +264,8 @@ class MlgRegistrationSummary(Versioned):
         ("mean_residual", c_double),
         ("max_residual", c_double),
         ("seconds", c_double),
+        ("verdict", c_uint32),
+        ("failed_bones", c_uint32),
     ]
 
 
@@ -273,6 +277,8 @@ class MlgBoneFit(Versioned):
         ("seen", c_double),
         ("suspicious", c_uint32),
         ("reserved", c_uint32),
+        ("verdict", c_uint32),
+        ("reason_count", c_uint32),
     ]
 
 
@@ -389,6 +395,7 @@ CALLS = {
     "registration_result_bone_fit": (c_void_p, c_size_t, POINTER(MlgBoneFit), POINTER(MlgError)),
     "registration_result_joint_pose": (c_void_p, c_size_t, POINTER(MlgJointPose), POINTER(MlgError)),
     "registration_result_carry": (c_void_p, c_void_p, c_void_p, POINTER(MlgError)),
+    "registration_result_bone_reasons": (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
     "registration_result_warnings": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
 }
 # Functions that return a value: its type, then the arguments.
@@ -471,6 +478,7 @@ GETTERS = {
     "shape_model_free": (None, c_void_p),
     "registration_options_init": (c_uint32, POINTER(MlgRegistrationOptions), c_size_t),
     "registration_free": (None, c_void_p),
+    "verdict_name": (c_char_p, c_uint32),
     "registration_result_coefficients": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "registration_result_free": (None, c_void_p),
 }

@@ -192,12 +192,12 @@ def label(name, handle, *index):
     return None if found is None else found.decode("utf-8", "replace")
 
 
-def text(name, handle):
-    """A text that the library writes into a buffer."""
+def text(name, handle, *index):
+    """A text that the library writes into a buffer; of the part with a number, if one is given."""
     length = c_size_t()
-    call(name, handle, None, 0, byref(length))
+    call(name, handle, *index, None, 0, byref(length))
     buffer = ctypes.create_string_buffer(length.value + 1)
-    call(name, handle, ctypes.addressof(buffer), len(buffer), byref(length))
+    call(name, handle, *index, ctypes.addressof(buffer), len(buffer), byref(length))
     return buffer.value.decode("utf-8", "replace")
 
 

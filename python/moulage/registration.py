@@ -37,7 +37,7 @@ class Registration(Handle):
 
     def start(self, radii=None, **options):
         """Starts on a thread of the library and returns the Run; its preview has the points of all bones. Options as
-        in the header's MlgRegistrationOptions: align, max_iterations, thread_count, paper. `radii`: of the clusters,
+        in the header's MlgRegistrationOptions: align, as_is, max_iterations, thread_count, paper. `radii`: of the clusters,
         from coarse to fine."""
         given = native.options("registration", interface.MlgRegistrationOptions(), options)
         radii = array([] if radii is None else radii, 1, numpy.float64, "radii")
@@ -63,18 +63,24 @@ class RegistrationResult(Handle):
 
     @property
     def summary(self):
-        """A dict: cancelled, iterations, suspicious_bones, joints_outside, mean_residual, max_residual, seconds."""
+        """A dict: verdict ("good", "doubtful", "failed"), failed_bones, suspicious_bones (not good), cancelled,
+        iterations, joints_outside, mean_residual, max_residual, seconds."""
         found = native.fill("registration_result_summary", self._handle, interface.MlgRegistrationSummary())
         found["cancelled"] = found["cancelled"] == 1
+        found["verdict"] = interface.VERDICT[found["verdict"]]
         return found
 
     def bone_fit(self, bone):
-        """A dict: mean_residual, max_residual, seen (share of its area that the target shows), suspicious."""
+        """A dict: verdict ("good", "doubtful", "failed"), reasons (why it is not good, a list of sentences),
+        mean_residual, max_residual, seen (share of its area that lies on the target), suspicious (not good)."""
         found = interface.MlgBoneFit()
         native.call("registration_result_bone_fit", self._handle, bone, byref(found))
         found = found.fields()
         found.pop("reserved")
+        found.pop("reason_count")
         found["suspicious"] = found["suspicious"] == 1
+        found["verdict"] = interface.VERDICT[found["verdict"]]
+        found["reasons"] = native.text("registration_result_bone_reasons", self._handle, bone).splitlines()
         return found
 
     def joint_pose(self, joint):
@@ -99,5 +105,5 @@ class RegistrationResult(Handle):
 
     @property
     def warnings(self):
-        """What to look at, one sentence each."""
+        """What to look at, one sentence each: why the whole is not good, then the worst bones and joints."""
         return native.text("registration_result_warnings", self._handle).splitlines()

@@ -56,6 +56,11 @@ pub struct MlgRegistrationOptions {
     pub radii: *const f64,
     /// Number of radii.
     pub radius_count: usize,
+    /// 1: the target is meant as it is, even if it looks like a mirror image or another unit. 0
+    /// (default): such a target is refused.
+    pub as_is: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 // SAFETY: repr(C), plain numbers and a pointer, size first.
@@ -69,6 +74,8 @@ const DEFAULTS: MlgRegistrationOptions = MlgRegistrationOptions {
     thread_count: 0,
     radii: ptr::null(),
     radius_count: 0,
+    as_is: 0,
+    reserved: 0,
 };
 
 /// Writes the defaults. `struct_size`: `sizeof *out_options`.
@@ -92,6 +99,7 @@ unsafe fn options_of(
     let paper = buffers::switch(given.paper, "options.paper")?;
     let mut options = if paper { Options::published() } else { Options::default() };
     options.align = buffers::switch(given.align, "options.align")?;
+    options.as_is = buffers::switch(given.as_is, "options.as_is")?;
     if given.max_iterations > 0 {
         options.max_iterations = given.max_iterations as usize;
     }

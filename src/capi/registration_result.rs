@@ -3,17 +3,45 @@
 use libc::c_char;
 use std::sync::Arc;
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent, name_of};
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use crate::job::{registration_warnings, result_document};
-use crate::register::Registered;
 use crate::register::transfer::carry_soft_tissue;
+use crate::register::{Registered, Verdict};
 
 /// A registered skeleton. Immutable; may be read from many threads.
 pub struct MlgRegistrationResult;
+
+/// How far a result, or one bone of it, can be trusted.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MlgVerdict {
+    /// Nothing speaks against it.
+    Good = 0,
+    /// It may be wrong: look at it.
+    Doubtful = 1,
+    /// It is wrong.
+    Failed = 2,
+}
+
+/// The name of an `MlgVerdict`, e.g. "DOUBTFUL"; "UNKNOWN" for other numbers. Static, never NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn mlg_verdict_name(verdict: u32) -> *const c_char {
+    const NAMES: [&str; 3] = ["GOOD\0", "DOUBTFUL\0", "FAILED\0"];
+    name_of(&NAMES, verdict)
+}
+
+fn number_of(verdict: Verdict) -> u32 {
+    let number = match verdict {
+        Verdict::Good => MlgVerdict::Good,
+        Verdict::Doubtful => MlgVerdict::Doubtful,
+        Verdict::Failed => MlgVerdict::Failed,
+    };
+    number as u32
+}
 
 /// The course of a registration. Lengths are in the template's unit.
 #[repr(C)]
@@ -25,7 +53,7 @@ pub struct MlgRegistrationSummary {
     pub cancelled: u32,
     /// Closest-point iterations.
     pub iterations: u32,
-    /// Bones that fit much worse than the others.
+    /// Bones whose verdict is not good.
     pub suspicious_bones: u32,
     /// Joints outside their limits.
     pub joints_outside: u32,
@@ -35,6 +63,10 @@ pub struct MlgRegistrationSummary {
     pub max_residual: f64,
     /// Seconds it took.
     pub seconds: f64,
+    /// How far the whole can be trusted: a number of `MlgVerdict`.
+    pub verdict: u32,
+    /// Bones whose verdict is `FAILED`.
+    pub failed_bones: u32,
 }
 
 // SAFETY: repr(C), plain numbers, size first.
@@ -50,12 +82,16 @@ pub struct MlgBoneFit {
     pub mean_residual: f64,
     /// Largest such distance.
     pub max_residual: f64,
-    /// Share of the bone's area that the target shows, 0 to 1.
+    /// Share of the bone's area that lies on the target, 0 to 1.
     pub seen: f64,
-    /// 1 if it fits much worse than the others: perhaps it lies on a neighbour's surface.
+    /// 1 if its verdict is not good.
     pub suspicious: u32,
     /// 0.
     pub reserved: u32,
+    /// How far it can be trusted: a number of `MlgVerdict`.
+    pub verdict: u32,
+    /// Why it is not good: sentences of `mlg_registration_result_bone_reasons`.
+    pub reason_count: u32,
 }
 
 // SAFETY: repr(C), plain numbers, size first.
@@ -110,12 +146,14 @@ impl RegistrationResult {
             struct_size: size_of::<MlgRegistrationSummary>(),
             cancelled: u32::from(self.registered.cancelled),
             iterations: self.registered.iterations() as u32,
-            suspicious_bones: bones.iter().filter(|b| b.suspicious).count() as u32,
+            suspicious_bones: self.registered.named_bones() as u32,
             joints_outside: joints.iter().filter(outside).count() as u32,
             mean_residual: bones.iter().map(|b| b.mean_residual).sum::<f64>()
                 / bones.len().max(1) as f64,
             max_residual: bones.iter().map(|b| b.max_residual).fold(0.0, f64::max),
             seconds: self.seconds,
+            verdict: number_of(self.registered.judgement.verdict),
+            failed_bones: bones.iter().filter(|b| b.verdict == Verdict::Failed).count() as u32,
         }
     }
 }
@@ -171,8 +209,10 @@ pub unsafe extern "C" fn mlg_registration_result_bone_fit(
             mean_residual: found.mean_residual,
             max_residual: found.max_residual,
             seen: found.seen,
-            suspicious: u32::from(found.suspicious),
+            suspicious: u32::from(found.verdict > Verdict::Good),
             reserved: 0,
+            verdict: number_of(found.verdict),
+            reason_count: found.reasons.len() as u32,
         };
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::fill(out_fit, fit, "out_fit") }
@@ -242,7 +282,29 @@ pub unsafe extern "C" fn mlg_registration_result_carry(
     })
 }
 
-/// Writes what to look at, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
+/// Writes why the verdict on a bone, a number from 0, is not good and what can be done about it, one
+/// sentence per line, worst first, into `buffer`: UTF-8, zero-terminated, cut to `capacity` bytes; empty
+/// for a good bone. `buffer` may be NULL if `capacity` is 0. `out_length`: bytes of the whole text
+/// without the zero; may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_bone_reasons(
+    result: *const MlgRegistrationResult,
+    bone: usize,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        let result = object(result)?;
+        let text = buffers::entry(&result.registered.bones, bone, "bone")?.reasons.join("\n");
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
+    })
+}
+
+/// Writes what to look at, first why the verdict on the whole is not good, then the worst bones and
+/// joints, one sentence per line, into `buffer`: UTF-8, zero-terminated, cut to
 /// `capacity` bytes; empty if there is nothing. `buffer` may be NULL if `capacity` is 0.
 /// `out_length`: bytes of the whole text without the zero; may be NULL.
 #[unsafe(no_mangle)]

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use moulage::job::{RegisterJob, RegisterReport, run_register};
+use moulage::register::Verdict;
 use moulage::{Result, Run};
 
 use super::progress::{Progress, stop_on_ctrl_c};
@@ -16,13 +17,18 @@ pub fn run(job: &RegisterJob) -> Result<ExitCode> {
     drop(progress);
     let report = result?.report;
     print(&report);
-    Ok(ExitCode::from(if report.cancelled { super::INTERRUPTED } else { 0 }))
+    Ok(ExitCode::from(match report.verdict {
+        _ if report.cancelled => super::INTERRUPTED,
+        Verdict::Failed => super::GAVE_UP,
+        Verdict::Good | Verdict::Doubtful => 0,
+    }))
 }
 
 fn print(report: &RegisterReport) {
     for warning in &report.warnings {
         eprintln!("note: {warning}");
     }
+    println!("{}", report.headline());
     let worst = report.bones.iter().max_by(|a, b| a.mean_residual.total_cmp(&b.mean_residual));
     println!(
         "{} bones: residual mean {:.4}{}",

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use moulage::job::{TrackJob, run_track};
+use moulage::register::Verdict;
 use moulage::{Result, Run};
 
 use super::progress::{Progress, stop_on_ctrl_c};
@@ -16,13 +17,22 @@ pub fn run(job: &TrackJob) -> Result<ExitCode> {
     drop(progress);
     let frames = frames?;
     for frame in &frames {
+        for reason in &frame.registered.judgement.reasons {
+            eprintln!("note: {}: {reason}", frame.volume.display());
+        }
         println!(
-            "{}: recognized {:.0} % of the surface, {} iterations",
+            "{}: {}, recognized {:.0} % of the surface, {} iterations",
             frame.volume.display(),
+            frame.registered.judgement.verdict.name(),
             100.0 * frame.seen,
             frame.registered.iterations()
         );
     }
     println!("written: {} frames and angles.csv in {}", frames.len(), job.out.display());
-    Ok(ExitCode::from(if run.is_cancelled() { super::INTERRUPTED } else { 0 }))
+    let failed = frames.iter().any(|f| f.registered.judgement.verdict == Verdict::Failed);
+    Ok(ExitCode::from(match failed {
+        _ if run.is_cancelled() => super::INTERRUPTED,
+        true => super::GAVE_UP,
+        false => 0,
+    }))
 }

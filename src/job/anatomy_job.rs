@@ -16,6 +16,7 @@ use super::separate_job::{BodyFiles, separate_files};
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
 use crate::io::{check_writable, read_tets, write_beside};
+use crate::register::Verdict;
 use crate::run::Run;
 use crate::separate::Options;
 
@@ -37,6 +38,8 @@ struct Bones {
     names: Vec<String>,
     person: Vec<PathBuf>,
     template: Vec<Option<PathBuf>>,
+    /// What speaks against them.
+    doubt: Option<String>,
 }
 
 /// Finds the bones, reshapes all objects, separates them and writes all results into `job.out`. An
@@ -59,6 +62,7 @@ pub fn run_anatomy(job: &AnatomyJob, run: &Run) -> Result<AnatomyReport> {
         lines.map(|(o, case)| object_line(o, case, out)).collect::<Result<Vec<ObjectLine>>>()?;
     stages.end("objects");
     let mut report = AnatomyReport::new(bones.names.clone(), objects);
+    report.warnings.extend(bones.doubt.clone());
     separate_all(job, &bones, out, run, &mut report);
     stages.end("separation");
     run.enter("writing", 0.97);
@@ -90,7 +94,7 @@ fn find_bones(job: &AnatomyJob, out: &Path, run: &Run) -> Result<Bones> {
         let names: Vec<String> = job.bones.iter().map(|p| stem(p)).collect();
         let beside = |name: &String| job.template_bones.iter().find(|p| stem(p) == *name).cloned();
         let template = names.iter().map(beside).collect();
-        return Ok(Bones { template, names, person: job.bones.clone() });
+        return Ok(Bones { template, names, person: job.bones.clone(), doubt: None });
     };
     run.enter("bones", 0.0);
     let folder = out.join("skeleton");
@@ -112,25 +116,26 @@ fn find_bones(job: &AnatomyJob, out: &Path, run: &Run) -> Result<Bones> {
     let options = serde_json::to_string(skeleton)
         .map_err(|e| Error::invalid(format!("the skeleton's options cannot be kept: {e}")))?;
     record.depends_on(options, hash_files(inputs)?);
-    let surfaces = match earlier(&folder, &record.key) {
-        Some(kept) => kept.surfaces,
+    let record = match earlier(&folder, &record.key) {
+        Some(kept) => kept,
         None => register_bones(skeleton, &folder, meshes.len(), record, run)?,
     };
     Ok(Bones {
         names: files.document.bones.iter().map(|bone| file_name(&bone.name)).collect(),
-        person: surfaces.iter().map(|surface| folder.join(surface)).collect(),
+        person: record.surfaces.iter().map(|surface| folder.join(surface)).collect(),
         template: meshes.into_iter().map(Some).collect(),
+        doubt: (record.status != Status::Good).then_some(record.message),
     })
 }
 
-/// Registers the skeleton; gives the bones' surfaces, relative to `folder`.
+/// Registers the skeleton; its record has the bones' surfaces, relative to `folder`.
 fn register_bones(
     skeleton: &super::RegisterJob,
     folder: &Path,
     count: usize,
     mut record: CaseRecord,
     run: &Run,
-) -> Result<Vec<PathBuf>> {
+) -> Result<CaseRecord> {
     let mut skeleton = skeleton.clone();
     skeleton.out = Some(folder.to_path_buf());
     skeleton.report = Some(folder.join("report"));
@@ -143,10 +148,16 @@ fn register_bones(
     let relative =
         |p: &PathBuf| p.strip_prefix(folder).map_or_else(|_| p.clone(), Path::to_path_buf);
     record.surfaces = found.report.written.iter().take(count).map(relative).collect();
-    record.status = Status::Good;
+    let judgement = &found.registered.judgement;
+    record.status =
+        if judgement.verdict == Verdict::Good { Status::Good } else { Status::Doubtful };
+    if judgement.verdict > Verdict::Good {
+        let reasons = judgement.reasons.join("; ");
+        record.message = format!("the skeleton is {}: {reasons}", judgement.verdict.name());
+    }
     record.seconds = started.elapsed().as_secs_f64();
     record.write(folder)?;
-    Ok(record.surfaces)
+    Ok(record)
 }
 
 /// Runs `work` with a run of its own, whose fraction begins at zero; it is cancelled with `run`.

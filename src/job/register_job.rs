@@ -81,6 +81,9 @@ pub struct RegisterJob {
     /// The template already lies where the person is
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
     pub no_align: bool,
+    /// The target is meant as it is, even if it looks like a mirror image or another unit
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
+    pub as_is: bool,
     /// Cluster radii from coarse to fine, "inf" for one cluster [default: from the size]
     #[cfg_attr(feature = "cli", arg(long, value_name = "RADIUS", num_args = 1.., help_heading = "Method"))]
     pub radii: Option<Vec<f64>>,
@@ -193,6 +196,7 @@ fn shape_model(job: &RegisterJob, files: &SkeletonFiles) -> Result<Option<ShapeM
 fn options(job: &RegisterJob, document: &SkeletonDocument) -> Options {
     let mut options = if job.paper { Options::published() } else { Options::default() };
     options.align = !job.no_align;
+    options.as_is = job.as_is;
     if let Some(iterations) = job.iterations {
         options.max_iterations = iterations;
     }

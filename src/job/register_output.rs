@@ -109,6 +109,7 @@ fn result_value(found: &Registered) -> serde_json::Value {
         .map(|(name, angle)| (name, angle.to_degrees().into()))
         .collect();
     json!({
+        "verdict": found.judgement.verdict, "reasons": found.judgement.reasons, "notes": found.notes,
         "bones": found.bones, "joints": found.joints, "angles_deg": angles,
         "scales": found.scales, "shape_coefficients": found.coefficients, "levels": found.levels, "cancelled": found.cancelled
     })

@@ -13,7 +13,7 @@ use crate::io::markup::escaped;
 use crate::io::write_beside;
 use crate::mesh::TriMesh;
 use crate::register::summary::{BoneSummary, JointSummary, LevelTrace};
-use crate::register::{Registered, Skeleton};
+use crate::register::{Registered, Skeleton, Verdict};
 
 /// Colours of neighbouring bones.
 const PALETTE: [Colour; 6] = [
@@ -25,35 +25,40 @@ const PALETTE: [Colour; 6] = [
     [0.80, 0.80, 0.80],
 ];
 
-/// What to look at in a result, in sentences.
+/// Colours of doubtful and failed bones.
+const DOUBTFUL: Colour = [0.95, 0.65, 0.10];
+const FAILED: Colour = [0.80, 0.10, 0.10];
+
+/// Bones and joints that are named in the warnings; all stand in the tables.
+const WORST: usize = 5;
+
+/// What to look at in a result, in sentences: the worst bones and joints; all others have their
+/// reasons in [`Registered::bones`].
 pub fn warnings(template: &Skeleton, found: &Registered) -> Vec<String> {
-    let mut warnings = Vec::new();
-    for bone in &found.bones {
-        if bone.suspicious {
-            warnings.push(format!(
-                "bone {} fits much worse than the others ({:.3}); it may lie on its neighbour's surface",
-                bone.name, bone.mean_residual
-            ));
-        }
-        if bone.seen < 0.3 {
-            warnings.push(format!(
-                "bone {} is seen by the target only on {:.0} % of its surface",
-                bone.name,
-                100.0 * bone.seen
-            ));
-        }
+    let mut warnings = found.notes.clone();
+    warnings.extend(found.judgement.reasons.iter().cloned());
+    let mut named: Vec<&BoneSummary> =
+        found.bones.iter().filter(|b| b.verdict > Verdict::Good).collect();
+    named.sort_by_key(|bone| std::cmp::Reverse(bone.verdict));
+    for bone in named.iter().take(WORST) {
+        let (verdict, reasons) = (bone.verdict.name(), bone.reasons.join("; "));
+        warnings.push(format!("bone {} is {verdict}: {reasons}", bone.name));
     }
-    let apart: Vec<&str> = found
+    let mut apart: Vec<(f64, &str)> = found
         .joints
         .iter()
         .zip(&template.joints)
         .filter(|(joint, template)| joint.seam > 2.0 * template.limits.shift)
-        .map(|(joint, _)| joint.name.as_str())
+        .map(|(joint, _)| (joint.seam, joint.name.as_str()))
         .collect();
+    apart.sort_by(|a, b| b.0.total_cmp(&a.0));
     if !apart.is_empty() {
+        let worst = apart.iter().take(WORST).map(|(seam, name)| format!("{name} ({seam:.2})"));
+        let more = apart.len().saturating_sub(WORST);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         warnings.push(format!(
-            "the two bones disagree on the centre by more than twice the allowed shift in {}",
-            apart.join(", ")
+            "the two bones disagree on the centre by more than twice the allowed shift in {}{more}",
+            worst.collect::<Vec<_>>().join(", ")
         ));
     }
     warnings
@@ -68,6 +73,10 @@ pub struct RegisterReport {
     pub skeleton: PathBuf,
     /// The target surface or folder.
     pub target: PathBuf,
+    /// How far the result can be trusted.
+    pub verdict: Verdict,
+    /// Why it is not good.
+    pub reasons: Vec<String>,
     /// Seconds for preparing the template.
     pub prepare_seconds: f64,
     /// Seconds for the registration.
@@ -106,6 +115,8 @@ impl RegisterReport {
             version: env!("CARGO_PKG_VERSION"),
             skeleton: job.skeleton.clone(),
             target,
+            verdict: found.judgement.verdict,
+            reasons: found.judgement.reasons.clone(),
             prepare_seconds,
             seconds,
             iterations: found.iterations(),
@@ -123,6 +134,18 @@ impl RegisterReport {
         self.bones.iter().map(|b| b.mean_residual).sum::<f64>() / self.bones.len().max(1) as f64
     }
 
+    /// The verdict in a line.
+    pub fn headline(&self) -> String {
+        let named = |verdict| self.bones.iter().filter(|b| b.verdict == verdict).count();
+        format!(
+            "verdict: {} ({} bones good, {} doubtful, {} failed)",
+            self.verdict.name(),
+            named(Verdict::Good),
+            named(Verdict::Doubtful),
+            named(Verdict::Failed)
+        )
+    }
+
     pub(super) fn write(
         &self,
         folder: &Path,
@@ -132,21 +155,33 @@ impl RegisterReport {
         let json = serde_json::to_string_pretty(self)
             .map_err(|e| Error::invalid(format!("the report cannot be written as JSON: {e}")))?;
         write_beside(&folder.join("report.json"), |out| out.write_all(json.as_bytes()))?;
-        let page = self.page(template, &found.skeleton);
+        let page = self.page(template, found);
         write_beside(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))
     }
 
-    fn page(&self, template: &Skeleton, found: &Skeleton) -> String {
+    fn verdict_colours(&self, skeleton: &Skeleton) -> Vec<Colour> {
+        let colour = |bone: &u32| match self.bones[*bone as usize].verdict {
+            Verdict::Good => PALETTE[0],
+            Verdict::Doubtful => DOUBTFUL,
+            Verdict::Failed => FAILED,
+        };
+        skeleton.bone_of_vertex().iter().map(colour).collect()
+    }
+
+    fn page(&self, template: &Skeleton, found: &Registered) -> String {
         let mut html = String::from(
             "<!doctype html><meta charset=\"utf-8\"><title>Registration</title>\
              <style>body{font:15px sans-serif;margin:2em;max-width:70em}td,th{padding:.1em .8em;\
-             text-align:right}td:first-child,th:first-child{text-align:left}img{margin:.3em}\
-             .warn{color:#a40}</style><h1>Registration</h1>",
+             text-align:right;vertical-align:top}td:first-child,th:first-child,.words{text-align:left}\
+             img{margin:.3em}.warn{color:#a40}.good{color:#272}.doubtful{color:#b60}\
+             .failed{color:#b00}</style><h1>Registration</h1>",
         );
         // Writing to a string cannot fail.
         let _ = write!(
             html,
-            "<p>{} bones, {} joints; {} iterations in {:.2} s; mean residual {:.3}.</p>",
+            "<h2 class=\"{}\">{}</h2><p>{} bones, {} joints; {} iterations in {:.2} s; mean residual {:.3}.</p>",
+            self.verdict.name(),
+            escaped(&self.headline()),
             self.bones.len(),
             self.joints.len(),
             self.iterations,
@@ -156,44 +191,56 @@ impl RegisterReport {
         for warning in &self.warnings {
             let _ = write!(html, "<p class=\"warn\">{}</p>", escaped(warning));
         }
-        for (title, skeleton) in [("Template", template), ("Person", found)] {
+        let pictures = [
+            ("Template", template, palette(template)),
+            ("Person", &found.skeleton, palette(&found.skeleton)),
+            ("Verdict", &found.skeleton, self.verdict_colours(&found.skeleton)),
+        ];
+        for (title, skeleton, colours) in pictures {
             let _ = write!(html, "<h2>{title}</h2>");
+            if title == "Verdict" {
+                html.push_str("<p>Pale: good. Orange: doubtful. Red: failed.</p>");
+            }
             for view in [View::Front, View::Side] {
-                let png = base64::engine::general_purpose::STANDARD.encode(picture(skeleton, view));
+                let png = picture(skeleton, &colours, view);
+                let png = base64::engine::general_purpose::STANDARD.encode(png);
                 let _ = write!(html, "<img alt=\"{title}\" src=\"data:image/png;base64,{png}\">");
             }
         }
         html.push_str(
-            "<h2>Bones</h2><table><tr><th>bone<th>mean residual<th>largest<th>seen %\
-             <th>deepest inside another bone</tr>",
+            "<h2>Bones</h2><table><tr><th>bone<th>verdict<th>mean residual<th>largest<th>seen %\
+             <th>deepest inside another bone<th class=\"words\">why</tr>",
         );
         for b in &self.bones {
             let _ = write!(
                 html,
-                "<tr><td>{}<td>{:.3}<td>{:.3}<td>{:.0}<td>{}</tr>",
+                "<tr><td>{}<td class=\"{1}\">{1}<td>{2:.3}<td>{3:.3}<td>{4:.0}<td>{5}<td class=\"words\">{6}</tr>",
                 escaped(&b.name),
+                b.verdict.name(),
                 b.mean_residual,
                 b.max_residual,
                 100.0 * b.seen,
                 b.penetrates.as_ref().map_or_else(String::new, |other| {
                     format!("{:.2} in {}", b.penetration, escaped(other))
-                })
+                }),
+                escaped(&b.reasons.join("; "))
             );
         }
         html.push_str(
             "</table><h2>Joints</h2><table><tr><th>joint<th>rotation, degrees<th>share of range\
-             <th>centre<th>centres apart</tr>",
+             <th>data go beyond, degrees<th>centre<th>centres apart</tr>",
         );
         for j in &self.joints {
             let r = j.rotation.map(f64::to_degrees);
             let _ = write!(
                 html,
-                "<tr><td>{}<td>{:.1} {:.1} {:.1}<td>{:.2}<td>{:.2} {:.2} {:.2}<td>{:.2}</tr>",
+                "<tr><td>{}<td>{:.1} {:.1} {:.1}<td>{:.2}<td>{:.1}<td>{:.2} {:.2} {:.2}<td>{:.2}</tr>",
                 escaped(&j.name),
                 r.x,
                 r.y,
                 r.z,
                 j.usage,
+                j.wanted_excess_degrees,
                 j.centre.x,
                 j.centre.y,
                 j.centre.z,
@@ -205,10 +252,12 @@ impl RegisterReport {
     }
 }
 
-fn picture(skeleton: &Skeleton, view: View) -> Vec<u8> {
-    let bone_of = skeleton.bone_of_vertex();
-    let colours: Vec<Colour> =
-        bone_of.iter().map(|&b| PALETTE[b as usize % PALETTE.len()]).collect();
+/// A colour for each vertex, by its bone.
+fn palette(skeleton: &Skeleton) -> Vec<Colour> {
+    skeleton.bone_of_vertex().iter().map(|&b| PALETTE[b as usize % PALETTE.len()]).collect()
+}
+
+fn picture(skeleton: &Skeleton, colours: &[Colour], view: View) -> Vec<u8> {
     let mesh = TriMesh { points: skeleton.points.clone(), triangles: skeleton.triangles.clone() };
-    draw(&mesh, &colours, &[], &mesh.points, view)
+    draw(&mesh, colours, &[], &mesh.points, view)
 }

@@ -97,9 +97,9 @@ pub(super) fn relative_reach(
     }
 }
 
-/// One row per frame: the image, the share seen, all named angles in degrees.
+/// One row per frame: the image, the verdict, the share seen, all named angles in degrees.
 fn angles(frames: &[TrackedFrame]) -> String {
-    let mut text = String::from("frame,volume,seen");
+    let mut text = String::from("frame,volume,verdict,seen");
     for (name, _) in
         frames.first().map(|f| present_angles(&f.registered.skeleton)).unwrap_or_default()
     {
@@ -107,7 +107,9 @@ fn angles(frames: &[TrackedFrame]) -> String {
     }
     for (k, frame) in frames.iter().enumerate() {
         let name = frame.volume.file_name().unwrap_or_default().to_string_lossy();
-        let _ = write!(text, "\n{},{},{:.3}", k + 1, name.replace(',', "_"), frame.seen);
+        let verdict = frame.registered.judgement.verdict.name();
+        let name = name.replace(',', "_");
+        let _ = write!(text, "\n{},{name},{verdict},{:.3}", k + 1, frame.seen);
         for (_, angle) in present_angles(&frame.registered.skeleton) {
             let _ = write!(text, ",{:.4}", angle.to_degrees());
         }

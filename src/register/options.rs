@@ -77,8 +77,11 @@ pub struct Options {
     pub min_cosine: f64,
     /// The same for the last level.
     pub last_min_cosine: f64,
-    /// Robust distance scale of the last level in median distances.
+    /// Robust distance scale in median distances.
     pub robust_factor: f64,
+    /// Robust weights on the levels that span bones, too: what does not belong to the bones pulls
+    /// little from the start.
+    pub robust_from_the_start: bool,
     /// Spacing of the sampled pairs as a share of the level's cluster radius (0 = use all).
     pub pair_spacing: f64,
     /// Largest spacing of the sampled pairs, as a share of the template's diagonal.
@@ -91,6 +94,8 @@ pub struct Options {
     pub seat_factor: f64,
     /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
+    /// The target is of this unit and this side of the body, whatever it looks like.
+    pub as_is: bool,
     /// How far an image is searched to each side of a vertex, at the first and at the last level, as
     /// shares of the template's diagonal. [G] 3.2.2: 20 mm to 5 mm for a hand.
     pub image_reach: [f64; 2],
@@ -116,11 +121,13 @@ impl Default for Options {
             min_cosine: -0.2,
             last_min_cosine: 0.3,
             robust_factor: 2.5,
+            robust_from_the_start: true,
             pair_spacing: 0.125,
             coarsest_pairs: 0.02,
             pose_starts: vec![0.0],
             seat_factor: 5.0,
             align: true,
+            as_is: false,
             image_reach: [0.1, 0.025],
         }
     }
@@ -134,6 +141,7 @@ impl Options {
             clustering: Clustering::Exact,
             schedule: Schedule::AfterElastic,
             refine_bones: false,
+            robust_from_the_start: false,
             momentum: 0.0,
             min_cosine: -1.0,
             pair_spacing: 0.0,

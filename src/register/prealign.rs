@@ -7,6 +7,7 @@
 use nalgebra::{Isometry3, SymmetricEigen, Translation3, UnitQuaternion};
 use rayon::prelude::*;
 
+use super::pieces::main_part;
 use super::pose::{BoneMoments, moved};
 use super::rotation::{PairSums, best_rotation};
 use super::samples::Samples;
@@ -14,6 +15,7 @@ use super::skeleton::Skeleton;
 use super::target::{SearchedSurface, Target};
 use crate::locate::ClosestPoints;
 use crate::math::{Mat3, Vec3};
+use crate::mesh::bounding_box;
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 
 /// Vertices of each side at most, about.
@@ -23,6 +25,8 @@ const FIRST_ROUNDS: usize = 8;
 const LAST_ROUNDS: usize = 40;
 /// Starts that are followed to the end.
 const FINALISTS: usize = 4;
+/// Places nearer than this share of the template's diagonal tell which of two starts is better.
+const NEAR_SHARE: f64 = 0.05;
 
 struct Alignment<'a> {
     template: &'a Skeleton,
@@ -39,28 +43,18 @@ pub(super) fn rigid_start(template: &Skeleton, areas: &[f64], target: &Target) -
     if let Some(motion) = from_labels(template, areas, target) {
         return motion;
     }
-    let Some(surface) = target.surfaces.iter().flatten().next() else {
-        return Isometry3::identity();
-    };
-    let spacing = |areas: &[f64]| (areas.iter().sum::<f64>() / SAMPLE_COUNT).sqrt();
-    let faces = area_vectors(&template.points, &template.triangles);
-    let alignment = Alignment {
-        template,
-        search: ClosestPoints::new(&template.points, &template.triangles),
-        normals: vertex_normals(template.points.len(), &template.triangles, &faces),
-        faces: faces.iter().map(unit_or_zero).collect(),
-        forward: Samples::new(&template.points, areas, spacing(areas)),
-        surface,
-        backward: Samples::new(&surface.mesh.points, &surface.areas, spacing(&surface.areas)),
-    };
-    let refine = |start: &Isometry3<f64>, rounds| alignment.refined(*start, rounds);
-    let mut found: Vec<(Isometry3<f64>, f64)> =
-        starts(template, areas, target).par_iter().map(|s| refine(s, FIRST_ROUNDS)).collect();
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    found.truncate(FINALISTS);
-    let finals: Vec<_> = found.par_iter().map(|(s, _)| refine(s, LAST_ROUNDS)).collect();
-    let best = finals.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    best.map_or_else(Isometry3::identity, |(motion, _)| motion)
+    let mut parts = target.surfaces.iter().flatten();
+    let Some(first) = parts.next() else { return Isometry3::identity() };
+    let all = parts.next().map(|_| target.joined());
+    let surface = all.as_ref().unwrap_or(first);
+    let whole = Alignment::new(template, areas, surface);
+    let best = whole.best(areas);
+    // Something far away may not belong to the bones: is the rest found better without it?
+    let diagonal = bounding_box(&template.points).map_or(0.0, |(low, high)| (high - low).norm());
+    let Some(main) = main_part(surface, diagonal) else { return best };
+    let other = Alignment::new(template, areas, &main).best(areas);
+    let near = |motion| whole.share_near(motion, NEAR_SHARE * diagonal);
+    if near(&other) > near(&best) { other } else { best }
 }
 
 /// Bones' centres on their namesakes' centres, where the target tells three or more bones apart.
@@ -82,10 +76,9 @@ fn from_labels(template: &Skeleton, areas: &[f64], target: &Target) -> Option<Is
 
 /// The orientation as given and the 24 ways to lay one set of principal axes on the other, all with
 /// the centres on each other.
-fn starts(template: &Skeleton, areas: &[f64], target: &Target) -> Vec<Isometry3<f64>> {
-    let (points, target_areas) = target.points_and_areas();
+fn starts(template: &Skeleton, areas: &[f64], surface: &SearchedSurface) -> Vec<Isometry3<f64>> {
     let from = BoneMoments::new(&template.points, areas);
-    let to = BoneMoments::new(&points, &target_areas);
+    let to = BoneMoments::new(&surface.mesh.points, &surface.areas);
     let centred = |rotation: UnitQuaternion<f64>| {
         Isometry3::from_parts(Translation3::from(to.centre - rotation * from.centre), rotation)
     };
@@ -117,7 +110,54 @@ fn cube_rotations() -> Vec<Mat3> {
         .collect()
 }
 
-impl Alignment<'_> {
+impl<'a> Alignment<'a> {
+    fn new(template: &'a Skeleton, areas: &[f64], surface: &'a SearchedSurface) -> Self {
+        let spacing = |areas: &[f64]| (areas.iter().sum::<f64>() / SAMPLE_COUNT).sqrt();
+        let faces = area_vectors(&template.points, &template.triangles);
+        Self {
+            template,
+            search: ClosestPoints::new(&template.points, &template.triangles),
+            normals: vertex_normals(template.points.len(), &template.triangles, &faces),
+            faces: faces.iter().map(unit_or_zero).collect(),
+            forward: Samples::new(&template.points, areas, spacing(areas)),
+            surface,
+            backward: Samples::new(&surface.mesh.points, &surface.areas, spacing(&surface.areas)),
+        }
+    }
+
+    /// The best of all starts.
+    fn best(&self, areas: &[f64]) -> Isometry3<f64> {
+        let refine = |start: &Isometry3<f64>, rounds| self.refined(*start, rounds);
+        let mut found: Vec<(Isometry3<f64>, f64)> = starts(self.template, areas, self.surface)
+            .par_iter()
+            .map(|s| refine(s, FIRST_ROUNDS))
+            .collect();
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found.truncate(FINALISTS);
+        let finals: Vec<_> = found.par_iter().map(|(s, _)| refine(s, LAST_ROUNDS)).collect();
+        let best = finals.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or_else(Isometry3::identity, |(motion, _)| motion)
+    }
+
+    /// The area of both sides that has the other side within `distance`, as a share.
+    fn share_near(&self, motion: &Isometry3<f64>, distance: f64) -> f64 {
+        let (mut near, mut whole) = (0.0, 0.0);
+        let mut add = |found: bool, area: f64| {
+            near += if found { area } else { 0.0 };
+            whole += area;
+        };
+        for (&i, &area) in self.forward.vertices.iter().zip(&self.forward.areas) {
+            let there = moved(motion, &self.template.points[i as usize]);
+            add(self.surface.search.closest_within(&there, distance).is_some(), area);
+        }
+        let back = motion.inverse();
+        for (&q, &area) in self.backward.vertices.iter().zip(&self.backward.areas) {
+            let there = moved(&back, &self.surface.mesh.points[q as usize]);
+            add(self.search.closest_within(&there, distance).is_some(), area);
+        }
+        near / whole
+    }
+
     /// Rounds of closest points both ways; the motion and the root mean square distance left.
     fn refined(&self, start: Isometry3<f64>, rounds: usize) -> (Isometry3<f64>, f64) {
         let mut motion = start;

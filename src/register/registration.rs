@@ -16,6 +16,8 @@ use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
 use super::levels::Level;
 use super::options::{Options, Schedule};
+use super::pieces::without_far_parts;
+use super::plausible::refuse_mirrored;
 use super::pose::{BoneMoments, rigid_targets, settle_tree};
 use super::pose_at_once::nearest_pose;
 use super::shape_model::ShapeModel;
@@ -118,13 +120,33 @@ impl Registration {
         Ok(self)
     }
 
-    /// Registers to one target. A cancelled run returns what it has, marked as such.
+    /// Registers to one target. A cancelled run returns what it has, marked as such. A target that is in
+    /// another unit or a mirror image is refused, unless the options say that it is meant.
     pub fn register(&self, target: &Target, run: &Run) -> Result<Registered> {
         if target.is_labelled() && target.surfaces.len() != self.template.bones.len() {
             return Err(Error::invalid("the target was labelled for another skeleton"));
         }
+        if self.options.as_is || target.image.is_some() {
+            return Ok(self.find(target, run));
+        }
+        self.refuse_other_unit(target)?;
+        let found = self.find(target, run);
+        if !found.cancelled {
+            refuse_mirrored(&found, || self.find(&target.mirrored(), run))?;
+        }
+        Ok(found)
+    }
+
+    /// The loop.
+    fn find(&self, target: &Target, run: &Run) -> Registered {
         let mut search_coarse = self.search(target, START_SPACING * self.diagonal);
         let mut state = self.start(target, &mut search_coarse, run);
+        let near =
+            without_far_parts(target, &state.points, &self.template.triangles, self.diagonal);
+        let target = near.as_ref().unwrap_or(target);
+        if near.is_some() {
+            search_coarse = self.search(target, START_SPACING * self.diagonal);
+        }
         let mut trace = Vec::new();
         for (k, level) in self.levels.iter().enumerate() {
             if run.is_cancelled() {
@@ -141,7 +163,7 @@ impl Registration {
             }
         }
         run.enter("joints and residuals", 0.95);
-        Ok(self.finish(state, target, trace, run.is_cancelled()))
+        self.finish(state, target, trace, run.is_cancelled())
     }
 
     pub(super) fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
@@ -282,6 +304,10 @@ impl Registration {
         for joint in &mut reference.joints {
             joint.limits.shift *= self.options.seat_factor.max(1.0);
         }
+        let free = rigid_targets(&reference, &reference.points, &points, &self.areas);
+        let free: Vec<_> = free.into_iter().map(Option::unwrap_or_default).collect();
+        let wanted =
+            reference.joints.iter().map(|j| j.transform(&free[j.parent], &free[j.child])).collect();
         let mut motions = self.pose(&reference, &points, &self.areas, FINAL_STEPS);
         if self.options.use_joints {
             settle_tree(&reference, self.root, &mut motions);
@@ -294,9 +320,16 @@ impl Registration {
         }
         let rules = self.rules(0.0, None);
         let pairs = self.search(target, 0.0).at(&reference.points, &rules);
-        let found =
-            Found { skeleton: reference, elastic_points: points, scales, coefficients, seams };
-        Registered::new(found, &pairs, levels, cancelled)
+        let found = Found {
+            skeleton: reference,
+            elastic_points: points,
+            scales,
+            coefficients,
+            seams,
+            wanted,
+        };
+        let found = Registered::new(found, &self.template, &self.areas, target, &pairs, levels);
+        Registered { cancelled, ..found }
     }
 }
 

@@ -56,6 +56,15 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// The bone at its other end, seen from `bone`; none if it is not a joint of that bone.
+    pub fn neighbour(&self, bone: usize) -> Option<usize> {
+        match bone {
+            _ if self.parent == bone => Some(self.child),
+            _ if self.child == bone => Some(self.parent),
+            _ => None,
+        }
+    }
+
     /// The child frame seen from the parent frame after the bones moved by `parent` and `child`.
     pub fn transform(&self, parent: &Isometry3<f64>, child: &Isometry3<f64>) -> Isometry3<f64> {
         (parent * self.parent_frame).inv_mul(&(child * self.child_frame))

@@ -7,10 +7,9 @@ use super::correspond::Correspondences;
 use super::penetration::penetrations;
 use super::pose::{LimitState, limit_state};
 use super::skeleton::Skeleton;
+use super::target::Target;
+use super::verdict::{Evidence, Judgement, Verdict, judge_bones, judge_whole};
 use crate::math::Vec3;
-
-/// A residual below this share of the skeleton's diagonal is never suspicious.
-const SUSPICIOUS_SHARE: f64 = 0.002;
 
 /// A registered skeleton.
 #[derive(Clone, Debug)]
@@ -31,6 +30,10 @@ pub struct Registered {
     pub levels: Vec<LevelTrace>,
     /// Stopped on request before the end.
     pub cancelled: bool,
+    /// How far the whole can be trusted.
+    pub judgement: Judgement,
+    /// What was done to the target before it was used, in sentences.
+    pub notes: Vec<String>,
 }
 
 /// The shapes and frames found.
@@ -40,6 +43,8 @@ pub(super) struct Found {
     pub(super) scales: Vec<Vec3>,
     pub(super) coefficients: Vec<f64>,
     pub(super) seams: Vec<f64>,
+    /// Where each joint's data would take it: the child frame seen from the parent frame.
+    pub(super) wanted: Vec<Isometry3<f64>>,
 }
 
 /// The fit of one bone; lengths in the template's unit.
@@ -51,11 +56,13 @@ pub struct BoneSummary {
     pub mean_residual: f64,
     /// Largest such distance.
     pub max_residual: f64,
-    /// Share of the bone's area with a valid pair.
+    /// How far it can be trusted.
+    pub verdict: Verdict,
+    /// Why it is not good, in sentences, each with what can be done about it.
+    pub reasons: Vec<String>,
+    /// Share of the bone's area that lies on the target, 0 to 1; in an image, that finds something like
+    /// it.
     pub seen: f64,
-    /// Residual more than three times that of the middle bone, and not small: perhaps it lies on a
-    /// neighbour's surface.
-    pub suspicious: bool,
     /// Depth of its deepest vertex inside another bone; 0 = inside none.
     pub penetration: f64,
     /// That other bone.
@@ -81,6 +88,10 @@ pub struct JointSummary {
     pub excess_shift: f64,
     /// Distance of the two estimates of the joint's centre before they were joined, template unit.
     pub seam: f64,
+    /// Rotation vector that the data alone would give it, radians.
+    pub wanted_rotation: Vec3,
+    /// Rotation beyond the limit that the data alone would give it, degrees.
+    pub wanted_excess_degrees: f64,
 }
 
 /// One level of the loop.
@@ -103,26 +114,52 @@ pub struct LevelTrace {
 impl Registered {
     pub(super) fn new(
         found: Found,
+        template: &Skeleton,
+        areas: &[f64],
+        target: &Target,
         pairs: &Correspondences,
         levels: Vec<LevelTrace>,
-        cancelled: bool,
     ) -> Self {
-        let Found { skeleton, elastic_points, scales, coefficients, seams } = found;
-        let mut bones: Vec<BoneSummary> =
-            (0..skeleton.bones.len()).map(|b| bone_summary(&skeleton, b, pairs)).collect();
-        let mut residuals: Vec<f64> = bones.iter().map(|b| b.mean_residual).collect();
-        residuals.sort_by(f64::total_cmp);
-        let middle = residuals[residuals.len() / 2];
-        let far = (3.0 * middle).max(SUSPICIOUS_SHARE * diagonal(&skeleton.points));
-        for bone in &mut bones {
-            bone.suspicious = bone.mean_residual > far;
-        }
+        let Found { skeleton, elastic_points, scales, coefficients, seams, wanted } = found;
+        let joints = joint_summaries(&skeleton, &seams, &wanted);
+        let (judgements, explained) = judge_bones(&Evidence {
+            template,
+            areas,
+            result: &skeleton,
+            elastic: &elastic_points,
+            target,
+            pairs,
+            joints: &joints,
+        });
+        let mut bones: Vec<BoneSummary> = judgements
+            .into_iter()
+            .enumerate()
+            .map(|(b, judgement)| bone_summary(&skeleton, b, pairs, judgement))
+            .collect();
         for (bone, found) in bones.iter_mut().zip(penetrations(&skeleton)) {
             bone.penetration = found.as_ref().map_or(0.0, |p| p.depth);
             bone.penetrates = found.map(|p| skeleton.bones[p.into].name.clone());
         }
-        let joints = joint_summaries(&skeleton, &seams);
-        Self { skeleton, elastic_points, scales, coefficients, bones, joints, levels, cancelled }
+        let judgement = judge_whole(&bones, explained, target.left_out);
+        let notes = target.notes();
+        let cancelled = false;
+        Self {
+            skeleton,
+            elastic_points,
+            scales,
+            coefficients,
+            bones,
+            joints,
+            levels,
+            cancelled,
+            judgement,
+            notes,
+        }
+    }
+
+    /// Bones whose verdict is not good.
+    pub fn named_bones(&self) -> usize {
+        self.bones.iter().filter(|b| b.verdict > Verdict::Good).count()
     }
 
     /// Closest-point iterations of all levels.
@@ -131,38 +168,44 @@ impl Registered {
     }
 }
 
-fn diagonal(points: &[Vec3]) -> f64 {
-    crate::mesh::bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm())
-}
-
-fn bone_summary(skeleton: &Skeleton, b: usize, pairs: &Correspondences) -> BoneSummary {
+fn bone_summary(
+    skeleton: &Skeleton,
+    b: usize,
+    pairs: &Correspondences,
+    (judgement, seen): (Judgement, f64),
+) -> BoneSummary {
     let bone = &skeleton.bones[b];
-    let (mut sum, mut weight, mut most, mut seen) = (0.0, 0.0, 0.0_f64, 0.0);
+    let (mut sum, mut weight, mut most) = (0.0, 0.0, 0.0_f64);
     for i in bone.vertices.clone() {
         let distance = (pairs.wanted[i] - skeleton.points[i]).norm();
         sum += pairs.weight[i] * distance;
         weight += pairs.weight[i];
         most = most.max(distance);
-        seen += pairs.trust[i];
     }
     BoneSummary {
         name: bone.name.clone(),
         mean_residual: if weight > 0.0 { sum / weight } else { 0.0 },
         max_residual: most,
-        seen: seen / bone.vertices.len().max(1) as f64,
-        suspicious: false,
+        verdict: judgement.verdict,
+        reasons: judgement.reasons,
+        seen,
         penetration: 0.0,
         penetrates: None,
     }
 }
 
-fn joint_summaries(skeleton: &Skeleton, seams: &[f64]) -> Vec<JointSummary> {
+fn joint_summaries(
+    skeleton: &Skeleton,
+    seams: &[f64],
+    wanted: &[Isometry3<f64>],
+) -> Vec<JointSummary> {
     let still = Isometry3::identity();
     skeleton
         .joints
         .iter()
         .zip(seams)
-        .map(|(joint, &seam)| {
+        .zip(wanted)
+        .map(|((joint, &seam), wanted)| {
             let transform = joint.transform(&still, &still);
             let LimitState { rotation_usage, rotation_excess, shift, shift_excess } =
                 limit_state(&joint.limits, &transform);
@@ -177,6 +220,10 @@ fn joint_summaries(skeleton: &Skeleton, seams: &[f64]) -> Vec<JointSummary> {
                 shift,
                 excess_shift: shift_excess,
                 seam,
+                wanted_rotation: super::rotation::rotation_vector(&wanted.rotation),
+                wanted_excess_degrees: limit_state(&joint.limits, wanted)
+                    .rotation_excess
+                    .to_degrees(),
             }
         })
         .collect()

@@ -119,6 +119,7 @@ int main() {
     const moulage::Skeleton person = found.skeleton();
     CHECK(person.bone_points(0).size == points.size());
     CHECK(found.summary().mean_residual < 0.05 && found.bone_fit(0).seen > 0.5);
+    CHECK(found.summary().verdict == MLG_VERDICT_GOOD && found.bone_reasons(0).empty());
     CHECK(std::fabs(found.carry(mesh)[2] - person.points()[2]) < 0.1);
 
     // What the two balls have in common: size.

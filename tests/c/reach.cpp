@@ -216,6 +216,20 @@ static void registered() {
     const Skeleton person = found.skeleton();
     CHECK(found.joint_pose(0).usage <= 1 && near(person.points()[2], 1.1, 0.05));
     CHECK(found.warnings().find("in between") != std::string::npos);
+    // A target that shows one of two bones says so.
+    Registration half(skeleton);
+    half.set_bone_target(0, Ball(1.1).mesh());
+    const RegistrationResult unseen = half.run(options);
+    CHECK(unseen.summary().verdict != MLG_VERDICT_GOOD && unseen.bone_fit(1).reason_count > 0);
+    CHECK(unseen.bone_fit(1).verdict == MLG_VERDICT_DOUBTFUL && unseen.verdict_name() == "DOUBTFUL");
+    CHECK(unseen.bone_reasons(1).find("no surface of it") != std::string::npos);
+    // One in metres is refused, unless it is meant.
+    Registration metres(skeleton);
+    metres.set_target(Ball(0.001).mesh());
+    CHECK(status_of([&] { metres.run(options); }) == MLG_STATUS_INVALID_ARGUMENT);
+    options.as_is = 1;
+    options.max_iterations = 1;
+    CHECK(metres.run(options).summary().verdict == MLG_VERDICT_FAILED);
     auto grid = volume_grid();
     for (std::size_t &size : grid.size) size = 8;
     const std::vector<float> dark(512);

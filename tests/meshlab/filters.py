@@ -245,6 +245,7 @@ def skeletons():
     target = add(ms, person(both[0]), both[1], "scan")
     saved = f"{OUT}/person.skeleton.json"
     figures = ms.apply_filter(REGISTER, target=target, joints="thigh-shank", align=False, save=saved)
+    assert (figures["verdict"], figures["failed_bones"]) == (0, 0), figures
     assert figures["joints_outside"] == 0 and figures["mean_residual"] < 0.05, figures
     found = ms.mesh(thigh_layer).vertex_matrix()
     assert np.abs(found - person(thigh)).max() < 0.5

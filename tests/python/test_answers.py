@@ -140,6 +140,15 @@ class Answers(unittest.TestCase):
         result = registration.run(align=0, max_iterations=2)
         self.assertIsInstance(result.warnings, list)
 
+    def test_a_target_in_metres_is_refused_unless_it_is_meant(self):
+        registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
+        registration.set_target(moulage.TriMesh(self.points / 1000, self.triangles))
+        with self.assertRaisesRegex(moulage.Error, "metres"):
+            registration.run(align=0)
+        result = registration.run(align=0, as_is=1, max_iterations=1)
+        self.assertEqual((result.summary["verdict"], result.bone_fit(0)["verdict"]), ("failed", "failed"))
+        self.assertIn("target", result.bone_fit(0)["reasons"][0])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -194,7 +194,9 @@ class Skeletons(unittest.TestCase):
         summary = result.summary
         self.assertEqual((summary["cancelled"], summary["joints_outside"]), (False, 0))
         self.assertLess(summary["mean_residual"], 0.05)
-        self.assertGreater(result.bone_fit(5)["seen"], 0.9)
+        fit = result.bone_fit(5)
+        self.assertGreater(fit["seen"], 0.9)
+        self.assertEqual((summary["verdict"], fit["verdict"], fit["reasons"]), ("good", "good", []))
         self.assertLessEqual(max(result.joint_pose(j)["usage"] for j in range(26)), 1.001)
         person = result.skeleton
         carried = result.carry(moulage.TriMesh(hand.bone_points(4), hand.bone_triangles(4)))

@@ -246,6 +246,26 @@ class Register(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "named as a bone"):
             bpy.ops.moulage.register()
 
+    def test_a_bone_without_a_surface_is_in_doubt_and_a_target_in_metres_is_refused(self):
+        armature = leg()
+        target, points = bent_target(armature, 0.5)
+        collection = bpy.data.collections.new("scan")
+        bpy.context.scene.collection.children.link(collection)
+        faces = [list(f.vertices) for f in bpy.data.objects["shank mesh"].data.polygons]
+        collection.objects.link(scenes.add_mesh("thigh", points[0], faces))
+        data = armature.moulage_skeleton
+        data.target_kind, data.target_bones, data.near = "BONES", collection, True
+        bpy.ops.moulage.register()
+        result = data.person.moulage_skeleton.result
+        self.assertNotEqual(result.verdict, "good")
+        shank = next(row for row in result.bones if row.name == "shank")
+        self.assertEqual(shank.verdict, "doubtful")
+        self.assertIn("no surface of it", shank.reasons)
+        data.target_kind, data.target = "SURFACE", target
+        target.data.transform(Matrix.Scale(0.001, 4))
+        with self.assertRaisesRegex(RuntimeError, "metres"):
+            bpy.ops.moulage.register()
+
     def test_a_second_run_replaces_the_person_or_makes_another_by_choice(self):
         armature, _own, _points = self.registered()
         count = len(bpy.data.objects)

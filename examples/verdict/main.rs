@@ -1,0 +1,144 @@
+//! Are the verdicts of `register` right? Runs it on persons whose bones are known, whole and damaged, and compares what
+//! it says of each bone with how far off the bone is. Prints the table of `docs/register.md`; the folder holds cases as
+//! the project's data set does.
+//!
+//! `cargo run --release --example verdict -- FOLDER [PART OF A CASE'S NAME]`
+//!
+//! With `MOULAGE_VERDICT_BONES=FILE` it writes a line for each bone: error, verdict, reasons.
+#![allow(clippy::print_stdout, clippy::panic, clippy::unwrap_used)]
+
+mod cases;
+mod damage;
+#[path = "../../tests/hands/mod.rs"]
+mod hands;
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+use cases::{Case, Truth};
+use moulage::Run;
+use moulage::locate::ClosestPoints;
+use moulage::register::{Options, Registered, Verdict, register};
+
+/// A bone that is no further off than this, mm, is right.
+const RIGHT: f64 = 1.0;
+
+/// Bones by what they are and what is said of them.
+#[derive(Default)]
+struct Counts {
+    wrong: usize,
+    wrong_named: usize,
+    right: usize,
+    right_named: usize,
+}
+
+impl Counts {
+    fn add(&mut self, error: f64, wrong: f64, named: bool) {
+        if error > wrong {
+            self.wrong += 1;
+            self.wrong_named += usize::from(named);
+        } else if error <= RIGHT {
+            self.right += 1;
+            self.right_named += usize::from(named);
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.wrong += other.wrong;
+        self.wrong_named += other.wrong_named;
+        self.right += other.right;
+        self.right_named += other.right_named;
+    }
+}
+
+/// How far bone `b` is off: root mean square of its vertices, or mean distance from the true surface.
+fn error(case: &Case, found: &Registered, b: usize) -> Option<f64> {
+    let bone = found.skeleton.bone_surface(b, &found.skeleton.points);
+    let count = bone.points.len() as f64;
+    Some(match case.truth[b].as_ref()? {
+        Truth::Vertices(truth) => {
+            let squares: f64 =
+                bone.points.iter().zip(truth).map(|(p, q)| (p - q).norm_squared()).sum();
+            (squares / count).sqrt()
+        }
+        Truth::Surface(surface) => {
+            let search = ClosestPoints::new(&bone.points, &bone.triangles);
+            let hits = search.closest_many(&surface.points);
+            let distances = hits.iter().flatten().zip(&surface.points);
+            let sum: f64 = distances.map(|(hit, p)| (hit.position - p).norm()).sum();
+            sum / surface.points.len() as f64
+        }
+    })
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().unwrap_or_else(|| panic!("give the folder with the cases"));
+    let part = arguments.next().unwrap_or_default();
+    let mut lines = String::from("case\tbone\terror\tverdict\treasons\n");
+    let mut all = Counts::default();
+    println!("| case | rms error, mm | wrong bones, named | right bones, named | the whole | s |");
+    println!("|---|---|---|---|---|---|");
+    for case in cases::all(Path::new(&folder)) {
+        if case.name.contains(&part) {
+            all.join(&run(&case, &mut lines));
+        }
+    }
+    let named = all.wrong_named + all.right_named;
+    println!(
+        "\nrecall {:.3} ({} of {} wrong bones named), precision {:.3} ({} of {} named bones wrong)",
+        all.wrong_named as f64 / all.wrong.max(1) as f64,
+        all.wrong_named,
+        all.wrong,
+        all.wrong_named as f64 / named.max(1) as f64,
+        all.wrong_named,
+        named
+    );
+    if let Some(path) = std::env::var_os("MOULAGE_VERDICT_BONES") {
+        std::fs::write(path, lines).unwrap();
+    }
+}
+
+/// Runs one case and prints its row.
+fn run(case: &Case, lines: &mut String) -> Counts {
+    let started = Instant::now();
+    let found = register(&case.template, &case.target, &Options::default(), &Run::new());
+    let seconds = started.elapsed().as_secs_f64();
+    let mut counts = Counts::default();
+    let found = match found {
+        Ok(found) => found,
+        Err(e) => {
+            let wrongly = if case.refused { "" } else { " (WRONGLY)" };
+            println!("| {} | | | | refused{wrongly}: {e} | {seconds:.1} |", case.name);
+            return counts;
+        }
+    };
+    let (mut squares, mut known) = (0.0, 0.0);
+    for (b, bone) in found.bones.iter().enumerate() {
+        let Some(error) = error(case, &found, b) else { continue };
+        counts.add(error, case.wrong, bone.verdict > Verdict::Good);
+        squares += error * error;
+        known += 1.0;
+        let (name, verdict) = (&bone.name, bone.verdict.name());
+        writeln!(
+            lines,
+            "{}\t{name}\t{error:.3}\t{verdict}\t{}",
+            case.name,
+            bone.reasons.join("; ")
+        )
+        .unwrap();
+    }
+    println!(
+        "| {} | {:.2} | {} of {} | {} of {} | {}{} | {seconds:.1} |",
+        case.name,
+        f64::sqrt(squares / known),
+        counts.wrong_named,
+        counts.wrong,
+        counts.right_named,
+        counts.right,
+        found.judgement.verdict.name(),
+        if case.refused { " (NOT REFUSED)" } else { "" }
+    );
+    counts
+}

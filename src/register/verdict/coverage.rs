@@ -1,0 +1,233 @@
+//! Who sees whom: how much of each bone the target shows, and how much of the target is explained.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::locate::ClosestPoints;
+use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
+use crate::register::samples::Samples;
+use crate::register::skeleton::Skeleton;
+use crate::register::target::{SearchedSurface, Target};
+
+/// Places of the target that are looked at, about, at most.
+const MOST_PLACES: f64 = 60_000.0;
+/// Surfaces see each other where their normals have at least this cosine.
+const FACING: f64 = 0.3;
+/// Distances up to so many times the middle one are the target's noise,
+const NOISE_FACTOR: f64 = 4.0;
+/// and up to this share of the skeleton's diagonal in any case.
+const SMALLEST_TOLERANCE: f64 = 0.002;
+/// A middle distance beyond this share of the diagonal is no noise.
+const LARGEST_TOLERANCE: f64 = 0.008;
+
+/// A place of one surface seen from the other one.
+struct Sight {
+    /// Vertex of the template, or of the target.
+    at: usize,
+    area: f64,
+    distance: f64,
+    facing: bool,
+    /// The bone: the vertex's own, or the one that is nearest.
+    bone: usize,
+    /// Vertex of the target that is nearest (template to target only).
+    target: usize,
+}
+
+/// What the target and the bones see of each other; shares are 0 to 1.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Coverage {
+    pub(super) bones: Vec<BoneCoverage>,
+    /// Share of the target's area that lies on a bone.
+    pub(super) explained: f64,
+    /// Middle distance of the target's places to the bones.
+    pub(super) middle: f64,
+}
+
+/// The part of it that concerns one bone.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BoneCoverage {
+    /// Whether the target has a surface for it.
+    pub(super) has_data: bool,
+    /// Share of the bone that lies on the target.
+    pub(super) seen: f64,
+    /// Share of the bone that lies on a place of the target that another bone is nearer to.
+    pub(super) shared: f64,
+    /// Target that lies nearest to this bone but not on it, as a share of the bone's area.
+    pub(super) unexplained: f64,
+    /// Root mean square distance of the bone's surface to the target.
+    pub(super) forward: f64,
+}
+
+/// One surface of the target with the bones that are looked for in it.
+struct Look<'a> {
+    surface: &'a SearchedSurface,
+    bones: Range<usize>,
+    vertices: Range<usize>,
+    triangles: Range<usize>,
+}
+
+pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> Coverage {
+    let bone_of = skeleton.bone_of_vertex();
+    let looks = looks(skeleton, target);
+    let sights: Vec<_> = looks.iter().map(|look| look.sights(skeleton, areas, &bone_of)).collect();
+    let diagonal = crate::mesh::bounding_box(&skeleton.points).map_or(0.0, |(a, b)| (b - a).norm());
+    let facing = sights.iter().flat_map(|(_, back)| back).filter(|s| s.facing);
+    let middle = median(facing.map(|s| s.distance).collect());
+    let tolerance =
+        (NOISE_FACTOR * middle).clamp(SMALLEST_TOLERANCE * diagonal, LARGEST_TOLERANCE * diagonal);
+    let lies_on = |s: &Sight| s.facing && s.distance <= tolerance;
+
+    let mut bones = vec![BoneCoverage::default(); skeleton.bones.len()];
+    let (mut explained, mut whole) = (0.0, 0.0);
+    for (look, (forward, backward)) in looks.iter().zip(&sights) {
+        for bone in &mut bones[look.bones.clone()] {
+            bone.has_data = true;
+        }
+        let mut owner = vec![usize::MAX; look.surface.mesh.points.len()];
+        for sight in backward {
+            owner[sight.at] = sight.bone;
+            whole += sight.area;
+            let bone = &mut bones[sight.bone];
+            if lies_on(sight) {
+                explained += sight.area;
+            } else {
+                bone.unexplained += sight.area;
+            }
+        }
+        for sight in forward {
+            let bone = &mut bones[sight.bone];
+            if lies_on(sight) {
+                bone.seen += sight.area;
+                let nearest = owner[sight.target];
+                if nearest != sight.bone && nearest != usize::MAX {
+                    bone.shared += sight.area;
+                }
+            }
+            bone.forward += sight.area * sight.distance.powi(2);
+        }
+    }
+    for (b, bone) in bones.iter_mut().enumerate() {
+        let area: f64 = areas[skeleton.bones[b].vertices.clone()].iter().sum();
+        bone.seen /= area;
+        bone.shared /= area;
+        bone.unexplained /= area;
+        bone.forward = (bone.forward / area).sqrt();
+    }
+    Coverage { bones, explained: explained / whole, middle }
+}
+
+fn looks<'a>(skeleton: &Skeleton, target: &'a Target) -> Vec<Look<'a>> {
+    let surfaces = target.surfaces.iter().enumerate();
+    let part = |(b, surface): (usize, &'a Option<SearchedSurface>)| {
+        let surface = surface.as_ref()?;
+        Some(if target.labelled {
+            let bone = &skeleton.bones[b];
+            let (vertices, triangles) = (bone.vertices.clone(), bone.triangles.clone());
+            Look { surface, bones: b..b + 1, vertices, triangles }
+        } else {
+            let (vertices, triangles) = (0..skeleton.points.len(), 0..skeleton.triangles.len());
+            Look { surface, bones: 0..skeleton.bones.len(), vertices, triangles }
+        })
+    };
+    surfaces.filter_map(part).collect()
+}
+
+impl Look<'_> {
+    /// From the template's vertices to the target, and from the target's to the template.
+    fn sights(
+        &self,
+        skeleton: &Skeleton,
+        areas: &[f64],
+        bone_of: &[u32],
+    ) -> (Vec<Sight>, Vec<Sight>) {
+        let first = self.vertices.start as u32;
+        let points = &skeleton.points[self.vertices.clone()];
+        let triangles: Vec<[u32; 3]> = skeleton.triangles[self.triangles.clone()]
+            .iter()
+            .map(|t| t.map(|v| v - first))
+            .collect();
+        let faces = area_vectors(points, &triangles);
+        let normals = vertex_normals(points.len(), &triangles, &faces);
+        let surface = self.surface;
+        let forward = (0..points.len()).into_par_iter().filter_map(|i| {
+            let hit = surface.search.closest(&points[i])?;
+            let corners = surface.mesh.triangles[hit.triangle as usize];
+            let heaviest =
+                (0..3).max_by(|&a, &b| hit.barycentric[a].total_cmp(&hit.barycentric[b]));
+            Some(Sight {
+                at: i,
+                area: areas[self.vertices.start + i],
+                distance: (hit.position - points[i]).norm(),
+                facing: normals[i].dot(&surface.face_normals[hit.triangle as usize]) > FACING,
+                bone: bone_of[self.vertices.start + i] as usize,
+                target: corners[heaviest.unwrap_or(0)] as usize,
+            })
+        });
+        let search = ClosestPoints::new(points, &triangles);
+        let spacing = if surface.mesh.points.len() as f64 > MOST_PLACES {
+            (surface.areas.iter().sum::<f64>() / MOST_PLACES).sqrt()
+        } else {
+            0.0
+        };
+        let samples = Samples::new(&surface.mesh.points, &surface.areas, spacing);
+        let backward = samples.vertices.par_iter().zip(&samples.areas).filter_map(|(&q, &area)| {
+            let point = surface.mesh.points[q as usize];
+            let hit = search.closest(&point)?;
+            let normal = unit_or_zero(&faces[hit.triangle as usize]);
+            let corner = triangles[hit.triangle as usize][0] as usize;
+            Some(Sight {
+                at: q as usize,
+                area,
+                distance: (hit.position - point).norm(),
+                facing: surface.vertex_normals[q as usize].dot(&normal) > FACING,
+                bone: bone_of[self.vertices.start + corner] as usize,
+                target: q as usize,
+            })
+        });
+        (forward.collect(), backward.collect())
+    }
+}
+
+/// The middle value; 0 of none.
+fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::mesh::TriMesh;
+    use crate::register::areas::vertex_areas;
+    use crate::register::skeleton::tests::block;
+
+    #[test]
+    fn a_bone_on_its_neighbours_place_is_seen_to_share_it_and_leaves_its_own_unexplained() {
+        let half = Vec3::new(2.0, 1.0, 1.0);
+        let at = |x: f64| block(Vec3::new(x, 0.0, 0.0), half, 6);
+        let of = |second: f64| {
+            let bones = vec![("a".into(), at(0.0)), ("b".into(), at(second))];
+            Skeleton::new(bones, vec![]).unwrap()
+        };
+        let scan = of(10.0);
+        let target = TriMesh::new(scan.points.clone(), scan.triangles.clone()).unwrap();
+        let target = Target::whole(target).unwrap();
+        let seen = |skeleton: &Skeleton| {
+            let areas = vertex_areas(&skeleton.points, &skeleton.triangles);
+            coverage(skeleton, &areas, &target)
+        };
+        let right = seen(&scan);
+        assert!((right.explained - 1.0).abs() < 1e-9, "{right:?}");
+        assert!(right.bones.iter().all(|b| b.seen > 0.99 && b.shared < 0.01), "{right:?}");
+        let wrong = seen(&of(0.0));
+        assert!((wrong.explained - 0.5).abs() < 0.01, "{wrong:?}");
+        let [first, second] = [0, 1].map(|b| wrong.bones[b]);
+        assert!(first.shared + second.shared > 0.9, "{wrong:?}");
+        assert!(first.unexplained + second.unexplained > 0.9, "{wrong:?}");
+    }
+}

@@ -1,0 +1,155 @@
+//! What speaks against a bone: figures, their limits, and what can be done about them.
+
+use super::coverage::Coverage;
+use super::distortion::Distortion;
+use super::judge::Evidence;
+use super::{Finding, Verdict};
+use crate::register::summary::JointSummary;
+
+// Limits beyond which a figure makes doubtful, and failed.
+/// Share of a bone that the target does not show.
+const UNSEEN: [f64; 2] = [0.6, 0.9];
+/// The same in an image.
+const UNSEEN_IN_IMAGE: [f64; 2] = [0.7, 0.95];
+/// Share of a bone that lies where another bone lies.
+const SHARED: [f64; 2] = [0.05, 0.3];
+/// Target beside a bone that lies on no bone, as a share of the bone's area.
+const UNEXPLAINED: [f64; 2] = [2.0, 6.0];
+/// Distance of a bone to the target as a share of its radius,
+const FAR: [f64; 2] = [0.12, 0.4];
+/// unless the target's noise, in middle distances, is larger.
+const NOISE: f64 = 2.5;
+/// Logarithm of a bone's size against that of a bone it is jointed to.
+const SIZE: [f64; 2] = [0.25, 0.7];
+/// Bending of a bone as a share of its radius.
+const BENT: [f64; 2] = [0.15, 0.4];
+/// Share of a bone's surface that is crumpled.
+const CRUMPLED: [f64; 2] = [0.025, 0.2];
+/// Distance from its data at which joints hold a bone, as a share of its radius.
+const HELD: [f64; 2] = [0.12, 0.4];
+/// Degrees by which its data would turn a joint of a bone beyond its limit.
+const TURNED: [f64; 2] = [8.0, 40.0];
+/// Share of bone `b`'s vertices that found something like them in the image, and what it says.
+pub(super) fn image_findings(evidence: &Evidence, b: usize) -> (f64, Vec<Finding>) {
+    let range = evidence.result.bones[b].vertices.clone();
+    let count = range.len().max(1) as f64;
+    let share = evidence.pairs.trust[range].iter().sum::<f64>() / count;
+    let reason = format!(
+        "the image shows what the template shows on {:.0} % of it only; look at it on slices",
+        100.0 * share
+    );
+    (share, vec![Finding::new(1.0 - share, UNSEEN_IN_IMAGE, reason)])
+}
+
+/// Share of bone `b` that lies on the target, and what the target says of it.
+pub(super) fn surface_findings(
+    coverage: &Coverage,
+    b: usize,
+    change: &Distortion,
+) -> (f64, Vec<Finding>) {
+    let seen = &coverage.bones[b];
+    if !seen.has_data {
+        let reason = "the target has no surface of it: it follows its joints".to_owned();
+        return (0.0, vec![Finding { share: f64::INFINITY, verdict: Verdict::Doubtful, reason }]);
+    }
+    let beyond_noise = seen.forward > NOISE * coverage.middle;
+    let far = if beyond_noise { seen.forward / change.radius } else { 0.0 };
+    let findings = vec![
+        Finding::new(
+            1.0 - seen.seen,
+            UNSEEN,
+            format!(
+                "only {:.0} % of it lie on the target, the rest is a guess; see whether the target shows it, or give it a surface of its own (labels)",
+                100.0 * seen.seen
+            ),
+        ),
+        Finding::new(
+            seen.shared,
+            SHARED,
+            format!(
+                "{:.0} % of it lie where another bone lies; give each bone a surface of its own (labels)",
+                100.0 * seen.shared
+            ),
+        ),
+        Finding::new(
+            seen.unexplained,
+            UNEXPLAINED,
+            format!(
+                "beside it {:.1} times its own area of the target lie on no bone; it may belong there, or take out what is no bone",
+                seen.unexplained
+            ),
+        ),
+        Finding::new(
+            far,
+            FAR,
+            format!(
+                "it lies {:.3} off the target (root mean square), {:.0} % of its radius; look whether it lies on another bone",
+                seen.forward,
+                100.0 * far
+            ),
+        ),
+    ];
+    (seen.seen, findings)
+}
+
+/// What its own shape and its joints say of bone `b`.
+pub(super) fn shape_findings(
+    evidence: &Evidence,
+    changes: &[Distortion],
+    b: usize,
+) -> Vec<Finding> {
+    let (template, own) = (evidence.template, &changes[b]);
+    let range = template.bones[b].vertices.clone();
+    let count = range.len().max(1) as f64;
+    let off = |i: usize| (evidence.elastic[i] - evidence.result.points[i]).norm();
+    let held = range.map(off).sum::<f64>() / count;
+    let mut findings = vec![
+        Finding::new(
+            own.bend,
+            BENT,
+            format!(
+                "it is bent by {:.0} % of its radius; look whether the target has this bone, whole",
+                100.0 * own.bend
+            ),
+        ),
+        Finding::new(
+            own.crumpled,
+            CRUMPLED,
+            format!(
+                "{:.1} % of its surface are crumpled; look whether the target has this bone, whole",
+                100.0 * own.crumpled
+            ),
+        ),
+        Finding::new(
+            held / own.radius,
+            HELD,
+            format!("its joints hold it {held:.3} off its data; look at their centres and limits"),
+        ),
+    ];
+    let ratio = |other: &usize| (own.size / changes[*other].size).ln().abs();
+    let neighbours = template.joints.iter().filter_map(|j| j.neighbour(b));
+    if let Some(other) = neighbours.max_by(|p, q| ratio(p).total_cmp(&ratio(q))) {
+        let reason = format!(
+            "against the template it is {:.2} times as large as {}; look which of them is on a wrong place",
+            own.size / changes[other].size,
+            template.bones[other].name
+        );
+        findings.push(Finding::new(ratio(&other), SIZE, reason));
+    }
+    findings.extend(turned(evidence, b));
+    findings
+}
+
+/// The joint of a bone that its data would turn furthest beyond its limit.
+fn turned(evidence: &Evidence, b: usize) -> Option<Finding> {
+    let joints = evidence.template.joints.iter().zip(evidence.joints);
+    let own = joints.filter(|(joint, _)| joint.neighbour(b).is_some()).map(|(_, summary)| summary);
+    let excess = |joint: &&JointSummary| joint.wanted_excess_degrees;
+    let joint = own.max_by(|p, q| excess(p).total_cmp(&excess(q)))?;
+    let axis = ["first", "second", "third"][joint.wanted_rotation.iamax()];
+    let reason = format!(
+        "its data would turn {} {:.1} degrees beyond its limit, most about its {axis} axis; widen the limit if this person can do that",
+        joint.name, joint.wanted_excess_degrees
+    );
+    Some(Finding::new(joint.wanted_excess_degrees, TURNED, reason))
+}

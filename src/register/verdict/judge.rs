@@ -1,0 +1,107 @@
+//! The verdict on each bone.
+
+use super::coverage::coverage;
+use super::distortion::distortions;
+use super::findings::{image_findings, shape_findings, surface_findings};
+use super::{Finding, Judgement, Verdict};
+use crate::math::Vec3;
+use crate::register::correspond::Correspondences;
+use crate::register::skeleton::Skeleton;
+use crate::register::summary::JointSummary;
+use crate::register::target::Target;
+
+/// Beside a bone in doubt this share of the limits is enough: what draws a bone away draws at its
+/// neighbours.
+const BESIDE: f64 = 0.55;
+
+/// What a verdict stands on.
+pub(in crate::register) struct Evidence<'a> {
+    pub(in crate::register) template: &'a Skeleton,
+    pub(in crate::register) areas: &'a [f64],
+    pub(in crate::register) result: &'a Skeleton,
+    /// The shape before its joints were put inside their limits.
+    pub(in crate::register) elastic: &'a [Vec3],
+    pub(in crate::register) target: &'a Target,
+    pub(in crate::register) pairs: &'a Correspondences,
+    pub(in crate::register) joints: &'a [JointSummary],
+}
+
+/// The verdict on each bone, the share of it that the target shows, and the share of the target that
+/// is explained.
+pub(in crate::register) fn judge_bones(
+    evidence: &Evidence,
+) -> (Vec<(Judgement, f64)>, Option<f64>) {
+    let changes = distortions(evidence.template, evidence.areas, &evidence.result.points);
+    let seen = evidence
+        .target
+        .image
+        .is_none()
+        .then(|| coverage(evidence.result, evidence.areas, evidence.target));
+    let mut shares = Vec::new();
+    let mut findings: Vec<Vec<Finding>> = Vec::new();
+    for b in 0..changes.len() {
+        let (share, mut own) = match &seen {
+            None => image_findings(evidence, b),
+            Some(coverage) => surface_findings(coverage, b, &changes[b]),
+        };
+        own.extend(shape_findings(evidence, &changes, b));
+        shares.push(share);
+        findings.push(own);
+    }
+    spread_doubt(evidence.template, &mut findings);
+    let judgements = findings.into_iter().map(Judgement::new);
+    (judgements.zip(shares).collect(), seen.map(|coverage| coverage.explained))
+}
+
+/// Bones jointed to one in doubt are doubtful from a part of the limits on, and so on from bone to
+/// bone.
+fn spread_doubt(template: &Skeleton, findings: &mut [Vec<Finding>]) {
+    let named = |own: &Vec<Finding>| own.iter().any(|f| f.verdict > Verdict::Good);
+    let mut beside: Vec<usize> = (0..findings.len()).filter(|&b| named(&findings[b])).collect();
+    while let Some(b) = beside.pop() {
+        let beside_doubt = format!(" (it hangs on {}, which is in doubt)", template.bones[b].name);
+        let neighbours = template.joints.iter().filter_map(|j| j.neighbour(b));
+        for other in neighbours {
+            if named(&findings[other]) {
+                continue;
+            }
+            for finding in &mut findings[other] {
+                if finding.share > BESIDE {
+                    finding.verdict = Verdict::Doubtful;
+                    finding.reason.push_str(&beside_doubt);
+                }
+            }
+            if named(&findings[other]) {
+                beside.push(other);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::register::joint_limits::JointLimits;
+    use crate::register::skeleton::tests::{block, joint_at};
+
+    #[test]
+    fn doubt_spreads_along_joints_as_far_as_something_speaks_for_it() {
+        let bone = |k: usize| {
+            let at = Vec3::new(4.0 * k as f64, 0.0, 0.0);
+            (format!("bone {k}"), block(at, Vec3::repeat(1.0), 1))
+        };
+        let limits = JointLimits::new(Vec3::zeros(), Vec3::zeros(), 1.0).unwrap();
+        let joint = |k: usize| joint_at(&format!("joint {k}"), [k, k + 1], Vec3::zeros(), limits);
+        let chain = Skeleton::new((0..5).map(bone).collect(), (0..4).map(joint).collect()).unwrap();
+        let figures = [0.1, 1.5, 0.9, 0.7, 0.4];
+        let mut findings: Vec<Vec<Finding>> =
+            figures.iter().map(|&f| vec![Finding::new(f, [1.0, 2.0], "so".into())]).collect();
+        spread_doubt(&chain, &mut findings);
+        let judgements: Vec<Judgement> = findings.into_iter().map(Judgement::new).collect();
+        let verdicts: Vec<&str> = judgements.iter().map(|j| j.verdict.name()).collect();
+        assert_eq!(verdicts, ["good", "doubtful", "doubtful", "doubtful", "good"]);
+        assert_eq!(judgements[3].reasons, ["so (it hangs on bone 2, which is in doubt)"]);
+        let worst = Finding::new(f64::NAN, [1.0, 2.0], String::new());
+        assert_eq!(worst.verdict, Verdict::Failed);
+    }
+}
