@@ -41,8 +41,9 @@ pub fn warnings(template: &Skeleton, found: &Registered) -> Vec<String> {
         found.bones.iter().filter(|b| b.verdict > Verdict::Good).collect();
     named.sort_by_key(|bone| std::cmp::Reverse(bone.verdict));
     for bone in named.iter().take(WORST) {
-        let (verdict, reasons) = (bone.verdict.name(), bone.reasons.join("; "));
-        warnings.push(format!("bone {} is {verdict}: {reasons}", bone.name));
+        let (verdict, worst) = (bone.verdict.name(), bone.reasons.first());
+        let worst = worst.map_or("", String::as_str);
+        warnings.push(format!("bone {} is {verdict}: {worst}", bone.name));
     }
     let mut apart: Vec<(f64, &str)> = found
         .joints

@@ -7,6 +7,8 @@ mod findings;
 mod judge;
 mod whole;
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 pub(super) use judge::{Evidence, judge_bones};
@@ -69,7 +71,8 @@ impl Finding {
 impl Judgement {
     fn new(mut findings: Vec<Finding>) -> Self {
         findings.retain(|finding| finding.verdict > Verdict::Good);
-        findings.sort_by_key(|finding| std::cmp::Reverse(finding.verdict));
+        let weight = |finding: &Finding| (finding.verdict, finding.share);
+        findings.sort_by(|a, b| weight(b).partial_cmp(&weight(a)).unwrap_or(Ordering::Equal));
         let verdict = findings.first().map_or(Verdict::Good, |finding| finding.verdict);
         Self { verdict, reasons: findings.into_iter().map(|finding| finding.reason).collect() }
     }
