@@ -2368,6 +2368,24 @@ void mlg_registration_free(MlgRegistration *problem);
  * ================================================================================================ */
 
 /**
+ * How far a result, or one bone of it, can be trusted.
+ */
+typedef enum MlgVerdict {
+  /**
+   * Nothing speaks against it.
+   */
+  MLG_VERDICT_GOOD = 0,
+  /**
+   * It may be wrong: look at it.
+   */
+  MLG_VERDICT_DOUBTFUL = 1,
+  /**
+   * It is wrong.
+   */
+  MLG_VERDICT_FAILED = 2,
+} MlgVerdict;
+
+/**
  * The course of a registration. Lengths are in the template's unit.
  */
 typedef struct MlgRegistrationSummary {

@@ -49,6 +49,11 @@ ENDING = (
     "stalled",
     "cancelled",
 )
+VERDICT = (
+    "good",
+    "doubtful",
+    "failed",
+)
 
 
 class MlgError(Structure):

@@ -1,5 +1,7 @@
 //! One person's bones as seen: a surface of all bones together, or one surface per bone.
 
+use std::collections::BTreeMap;
+
 use super::areas::vertex_areas;
 use super::image::{Appearance, ImageTarget};
 use super::skeleton::Skeleton;
@@ -155,9 +157,17 @@ impl Target {
 }
 
 /// The surface with its normals outwards, and whether it was turned: by the volume that its pieces
-/// enclose, each seen from its own middle, so that open pieces count by the way they bulge.
+/// enclose, each seen from its own middle, so that open pieces count by the way they bulge. Vertices
+/// of the same place are one there.
 fn facing_outwards(mut mesh: TriMesh) -> (TriMesh, bool) {
-    let piece = components(mesh.points.len(), &mesh.triangles);
+    let mut first_at: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    let place = |p: &Vec3| [p.x, p.y, p.z].map(f64::to_bits);
+    let points = mesh.points.iter().enumerate();
+    let first: Vec<u32> =
+        points.map(|(v, p)| *first_at.entry(place(p)).or_insert(v as u32)).collect();
+    let joined: Vec<[u32; 3]> =
+        mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+    let piece = components(mesh.points.len(), &joined);
     let count = piece.iter().max().map_or(0, |&last| last as usize + 1);
     let mut middle = vec![(Vec3::zeros(), 0.0); count];
     for (triangle, &piece) in mesh.triangles.iter().zip(&piece) {

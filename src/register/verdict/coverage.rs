@@ -12,8 +12,9 @@ use crate::register::target::{SearchedSurface, Target};
 
 /// Places of the target that are looked at, about, at most.
 const MOST_PLACES: f64 = 60_000.0;
-/// Surfaces see each other where their normals have at least this cosine.
-const FACING: f64 = 0.3;
+/// Surfaces see each other where their normals have at least this cosine: at an edge the nearest
+/// triangle may stand upright.
+const FACING: f64 = -0.2;
 /// Distances up to so many times the middle one are the target's noise,
 const NOISE_FACTOR: f64 = 4.0;
 /// and up to this share of the skeleton's diagonal in any case.

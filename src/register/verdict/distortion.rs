@@ -87,7 +87,8 @@ mod tests {
         let bent = of(&|p| p + Vec3::new(0.0, 0.0, 0.1 * p.x * p.x));
         assert!(bent.bend > 0.1, "{bent:?}");
         // Every second strip of its long sides is turned over.
-        let folded = of(&|p| Vec3::new(p.x + 3.0 * (4.0 * p.x).sin(), p.y, p.z));
+        let to_and_fro = |x: f64| 2.5 * (std::f64::consts::PI * (x + 5.0) * 0.6).cos();
+        let folded = of(&|p| Vec3::new(p.x + to_and_fro(p.x), p.y, p.z));
         assert!(folded.crumpled > 0.1, "{folded:?}");
     }
 }
