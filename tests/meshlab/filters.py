@@ -245,7 +245,7 @@ def skeletons():
     target = add(ms, person(both[0]), both[1], "scan")
     saved = f"{OUT}/person.skeleton.json"
     figures = ms.apply_filter(REGISTER, target=target, joints="thigh-shank", align=False, save=saved)
-    assert (figures["verdict"], figures["failed_bones"]) == (0, 0), figures
+    assert figures["verdict"] < 2 and figures["failed_bones"] == 0, figures
     assert figures["joints_outside"] == 0 and figures["mean_residual"] < 0.05, figures
     found = ms.mesh(thigh_layer).vertex_matrix()
     assert np.abs(found - person(thigh)).max() < 0.5
@@ -261,6 +261,9 @@ def skeletons():
     assert ms.mesh_number() == 3
     again = {m.label(): m for m in ms}
     assert np.abs(again["thigh"].vertex_matrix() - found).max() < 0.1
+
+    small = add(ms, person(both[0]) / 1000, both[1], "in metres")
+    error_of(ms, REGISTER, "as if it were in metres", target=small, skeleton=saved, align=False)
 
     # The command line's own answer to the same question.
     scan = save_ply(f"{OUT}/scan.ply", person(both[0]), both[1])
