@@ -18,11 +18,6 @@ const EARLY_PULL: f64 = 3.0;
 /// open the next level closes. 3 saves a quarter of the iterations; with 6 one hand in fifteen went wrong.
 const EARLY_TOLERANCE: f64 = 3.0;
 
-/// Levels that span bones trust pairs less from this share of the cluster radius on,
-const EARLY_ROBUST_RADII: f64 = 0.15;
-/// and from this share of the diagonal on at the latest.
-const EARLY_ROBUST_SHARE: f64 = 0.05;
-
 /// One cluster size with its rules.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
@@ -51,10 +46,7 @@ impl Registration {
                 1 => ScaleFreedom::PerBone,
                 _ => ScaleFreedom::PerAxis,
             };
-            let robust = self.options.robust_from_the_start.then_some(self.options.robust_factor);
-            let mut rules = self.rules(self.options.min_cosine, robust);
-            let floor = (EARLY_ROBUST_RADII * radius).min(EARLY_ROBUST_SHARE * self.diagonal);
-            rules.robust_floor = rules.robust_floor.max(floor);
+            let rules = self.rules(self.options.min_cosine, None);
             levels.push(self.level(radius, freedom, rules, self.options.separate_bones)?);
             levels[k].scale_pull = EARLY_PULL.powi((radii.len() - 1 - k).min(3) as i32);
         }

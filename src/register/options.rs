@@ -77,11 +77,8 @@ pub struct Options {
     pub min_cosine: f64,
     /// The same for the last level.
     pub last_min_cosine: f64,
-    /// Robust distance scale in median distances.
+    /// Robust distance scale of the last level in median distances.
     pub robust_factor: f64,
-    /// Robust weights on the levels that span bones, too: what does not belong to the bones pulls
-    /// little from the start.
-    pub robust_from_the_start: bool,
     /// Spacing of the sampled pairs as a share of the level's cluster radius (0 = use all).
     pub pair_spacing: f64,
     /// Largest spacing of the sampled pairs, as a share of the template's diagonal.
@@ -121,7 +118,6 @@ impl Default for Options {
             min_cosine: -0.2,
             last_min_cosine: 0.3,
             robust_factor: 2.5,
-            robust_from_the_start: true,
             pair_spacing: 0.125,
             coarsest_pairs: 0.02,
             pose_starts: vec![0.0],
@@ -141,7 +137,6 @@ impl Options {
             clustering: Clustering::Exact,
             schedule: Schedule::AfterElastic,
             refine_bones: false,
-            robust_from_the_start: false,
             momentum: 0.0,
             min_cosine: -1.0,
             pair_spacing: 0.0,

@@ -228,7 +228,8 @@ static void registered() {
     metres.set_target(Ball(0.001).mesh());
     CHECK(status_of([&] { metres.run(options); }) == MLG_STATUS_INVALID_ARGUMENT);
     options.as_is = 1;
-    CHECK(std::fabs(metres.run(options).skeleton().points()[2]) < 0.01);
+    const Skeleton small = metres.run(options).skeleton();
+    CHECK(std::fabs(small.points()[2]) < 0.01);
     auto grid = volume_grid();
     for (std::size_t &size : grid.size) size = 8;
     const std::vector<float> dark(512);
