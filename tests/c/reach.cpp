@@ -228,8 +228,7 @@ static void registered() {
     metres.set_target(Ball(0.001).mesh());
     CHECK(status_of([&] { metres.run(options); }) == MLG_STATUS_INVALID_ARGUMENT);
     options.as_is = 1;
-    const Skeleton small = metres.run(options).skeleton();
-    CHECK(std::fabs(small.points()[2]) < 0.01);
+    CHECK(status_of([&] { metres.run(options); }) == MLG_STATUS_OK);
     auto grid = volume_grid();
     for (std::size_t &size : grid.size) size = 8;
     const std::vector<float> dark(512);
