@@ -1,6 +1,9 @@
 //! Who is next to whom: edges, vertex neighbours, tet neighbours.
 
+use std::collections::HashMap;
+
 use super::TetMesh;
+use crate::math::Vec3;
 
 /// Many short lists in one array.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -121,6 +124,14 @@ pub fn components<const N: usize>(vertex_count: usize, cells: &[[u32; N]]) -> Ve
         number[root]
     };
     cells.iter().map(number_of).collect()
+}
+
+/// For each vertex the first one at exactly the same place: seams of textures and STL files are one there.
+pub fn first_at_place(points: &[Vec3]) -> Vec<u32> {
+    let mut first_at: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
+    let place = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+    let points = points.iter().enumerate();
+    points.map(|(v, p)| *first_at.entry(place(p)).or_insert(v as u32)).collect()
 }
 
 /// Union-find; the root of a set is its lowest member.

@@ -58,6 +58,9 @@ struct Principal {
     centre: Vec3,
     /// World from principal axes.
     axes: Mat3,
+    /// Second moments of the whole bone along them.
+    moments: Vec3,
+    area: f64,
 }
 
 /// Sums of one bone over the fit of its scales.
@@ -76,8 +79,13 @@ impl BoneScales {
             .map(|bone| {
                 let range = bone.vertices.clone();
                 let moments = BoneMoments::new(&template.points[range.clone()], &areas[range]);
-                let axes = SymmetricEigen::new(moments.spread).eigenvectors;
-                Principal { centre: moments.centre, axes }
+                let eigen = SymmetricEigen::new(moments.spread);
+                Principal {
+                    centre: moments.centre,
+                    axes: eigen.eigenvectors,
+                    moments: eigen.eigenvalues,
+                    area: moments.mass,
+                }
             })
             .collect();
         Self { bones, options }
@@ -97,12 +105,14 @@ impl BoneScales {
         if freedom == ScaleFreedom::Fixed {
             return scales;
         }
+        // Mass for each unit of area: the pulls weigh as a bone that is seen as a whole.
+        let density = masses.iter().sum::<f64>() / self.bones.iter().map(|b| b.area).sum::<f64>();
         for _ in 0..ROUNDS {
             let fits: Vec<BoneFit> = (0..self.bones.len())
                 .into_par_iter()
                 .map(|b| self.bone_fit(template, b, &scales[b], wanted, masses))
                 .collect();
-            scales = self.update(&fits, freedom, pull);
+            scales = self.update(&fits, freedom, pull * density);
         }
         scales
     }
@@ -149,18 +159,19 @@ impl BoneScales {
             scale.clamp(whole / self.options.max_ratio, whole * self.options.max_ratio)
         };
         fits.iter()
-            .map(|fit| {
+            .zip(&self.bones)
+            .map(|(fit, of_bone)| {
                 let xx = fit.xx.sum();
                 if freedom == ScaleFreedom::Whole || xx <= 0.0 {
                     return Vec3::repeat(whole);
                 }
-                let pull = strength * self.options.bone_pull * xx;
+                let pull = strength * self.options.bone_pull * of_bone.moments.sum();
                 let bone = held((fit.xy.sum() + pull * whole) / (xx + pull));
                 if freedom == ScaleFreedom::PerBone {
                     return Vec3::repeat(bone);
                 }
                 Vec3::from_fn(|k, _| {
-                    let pull = strength * self.options.axis_pull * fit.xx[k] + 1e-9 * xx;
+                    let pull = strength * self.options.axis_pull * of_bone.moments[k] + 1e-9 * xx;
                     held((fit.xy[k] + pull * bone) / (fit.xx[k] + pull))
                 })
             })

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::image::ImageTarget;
 use super::samples::Samples;
 use super::skeleton::Skeleton;
-use super::target::{SearchedSurface, Target};
+use super::surface::SearchedSurface;
+use super::target::Target;
 use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::Vec3;
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
@@ -28,6 +29,10 @@ pub struct PairRules {
     pub robust_floor: f64,
     /// Target to template pairs are used as well (the published method does).
     pub both_ways: bool,
+    /// A place of the target is another bone's when that one is nearer to it by this factor,
+    pub taken: f64,
+    /// unless the pair is shorter than this, template unit.
+    pub near: f64,
     /// Distance to each side that is searched in an image, template unit.
     pub reach: f64,
 }
@@ -41,6 +46,8 @@ pub struct Correspondences {
     pub weight: Vec<f64>,
     /// Share of the pairs' weight that was kept, 0 (no data) to 1.
     pub trust: Vec<f64>,
+    /// Area at each vertex for which the target shows nothing.
+    pub unseen: Vec<f64>,
     /// Weight of all pairs at each vertex, dropped ones too.
     pub offered: Vec<f64>,
     /// That weight times the squared pair distances.
@@ -63,11 +70,30 @@ impl Correspondences {
         }
     }
 
+    /// Lets vertices without a pair stay where `reference` has them.
+    pub fn rest_on(&mut self, reference: &[Vec3]) {
+        for ((wanted, weight), place) in self.wanted.iter_mut().zip(&self.weight).zip(reference) {
+            if *weight <= 0.0 {
+                *wanted = *place;
+            }
+        }
+    }
+
     /// Root mean square distance of all pairs of some vertices; NaN without pairs.
     pub fn rms_over(&self, vertices: Range<usize>) -> f64 {
         let squares: f64 = self.squares[vertices.clone()].iter().sum();
         (squares / self.offered[vertices].iter().sum::<f64>()).sqrt()
     }
+}
+
+/// A surface of bones with vertices numbered from its own first.
+#[derive(Clone, Debug)]
+struct Bones {
+    triangles: Vec<[u32; 3]>,
+    /// The bone of each vertex, and a triangle there.
+    bone_of: Vec<u32>,
+    triangle_at: Vec<u32>,
+    search: ClosestPoints,
 }
 
 /// A part of the template that is searched as one: everything, or one bone.
@@ -76,9 +102,7 @@ struct Group {
     vertices: Range<usize>,
     /// Where its triangles stand among the template's.
     faces: Range<usize>,
-    /// The triangles with vertices numbered from the part's first.
-    triangles: Vec<[u32; 3]>,
-    search: ClosestPoints,
+    bones: Bones,
     forward: Samples,
     backward: Samples,
     /// The triangles found last, where the next search begins.
@@ -92,6 +116,8 @@ pub(super) struct Correspond<'a> {
     groups: Vec<(Group, &'a SearchedSurface)>,
     image: Option<(&'a ImageTarget, Vec<f64>)>,
     vertex_count: usize,
+    /// Areas of the vertices of bones that the target has no surface for.
+    without_data: Vec<f64>,
     triangles: &'a [[u32; 3]],
 }
 
@@ -105,6 +131,16 @@ struct Pair {
     area: f64,
     pull: Vec3,
     cosine: f64,
+    side: Side,
+}
+
+/// Which surface's place the pair was sought for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Template,
+    /// The template, where the target ends: not a pair.
+    BeyondBorder,
+    Target,
 }
 
 impl<'a> Correspond<'a> {
@@ -116,12 +152,13 @@ impl<'a> Correspond<'a> {
         spacing: f64,
     ) -> Self {
         let triangles = &skeleton.triangles;
+        let bone_of = skeleton.bone_of_vertex();
         let parts: Vec<_> = if target.labelled {
             skeleton.bones.iter().map(|b| (b.vertices.clone(), b.triangles.clone())).collect()
         } else {
             vec![(0..skeleton.points.len(), 0..triangles.len())]
         };
-        let groups = parts
+        let groups: Vec<(Group, _)> = parts
             .into_iter()
             .zip(&target.surfaces)
             .filter_map(|((vertices, range), surface)| {
@@ -130,11 +167,11 @@ impl<'a> Correspond<'a> {
                 let local: Vec<[u32; 3]> =
                     triangles[range.clone()].iter().map(|t| t.map(|v| v - first)).collect();
                 let points = &skeleton.points[vertices.clone()];
+                let bones = Bones::new(points, local, bone_of[vertices.clone()].to_vec());
                 let mut group = Group {
                     vertices: vertices.clone(),
                     faces: range,
-                    search: ClosestPoints::new(points, &local),
-                    triangles: local,
+                    bones,
                     forward: Samples::default(),
                     backward: Samples::default(),
                     forward_hits: Vec::new(),
@@ -145,7 +182,12 @@ impl<'a> Correspond<'a> {
             })
             .collect();
         let image = target.image.as_ref().map(|image| (image, areas.to_vec()));
-        Self { groups, image, vertex_count: skeleton.points.len(), triangles }
+        let mut without_data =
+            if image.is_some() { vec![0.0; areas.len()] } else { areas.to_vec() };
+        for (group, _) in &groups {
+            without_data[group.vertices.clone()].fill(0.0);
+        }
+        Self { groups, image, vertex_count: skeleton.points.len(), without_data, triangles }
     }
 
     /// The same search at another sampling density.
@@ -171,9 +213,9 @@ impl<'a> Correspond<'a> {
         for (group, surface) in &mut self.groups {
             let vertices = group.vertices.clone();
             let local = &points[vertices.clone()];
-            pairs.par_extend(group.forward_pairs(local, &normals[vertices], surface));
+            group.bones.search.refit(local);
+            pairs.par_extend(group.forward_pairs(local, &normals[vertices], surface, rules));
             if rules.both_ways {
-                group.search.refit(local);
                 let faces = &faces[group.faces.clone()];
                 pairs.par_extend(group.backward_pairs(faces, surface));
             }
@@ -193,8 +235,15 @@ impl<'a> Correspond<'a> {
         let mut offered = vec![0.0; self.vertex_count];
         let (mut distance, mut weight_sum) = (0.0, 0.0);
         let mut squares = vec![0.0; self.vertex_count];
+        let mut unseen = self.without_data.clone();
         for pair in pairs {
             let trust = pair.trust(rules.min_cosine, scale);
+            if pair.side != Side::Target {
+                unseen[pair.vertices[0] as usize] += (1.0 - trust) * pair.area;
+            }
+            if pair.side == Side::BeyondBorder {
+                continue;
+            }
             distance += trust * pair.area * pair.pull.norm();
             weight_sum += trust * pair.area;
             for (v, weight, vector) in pair.pulls() {
@@ -218,6 +267,7 @@ impl<'a> Correspond<'a> {
             wanted,
             weight: kept,
             trust,
+            unseen,
             offered,
             squares,
             mean_distance,
@@ -242,8 +292,34 @@ fn image_pairs(
             None => (0.0, areas[i], f64::NEG_INFINITY),
         };
         let pull = normals[i] * shift;
-        Pair { vertices: [i as u32; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine }
+        let side = Side::Template;
+        Pair { vertices: [i as u32; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine, side }
     })
+}
+
+impl Bones {
+    fn new(points: &[Vec3], triangles: Vec<[u32; 3]>, bone_of: Vec<u32>) -> Self {
+        let mut triangle_at = vec![0; points.len()];
+        for (t, triangle) in triangles.iter().enumerate() {
+            for &v in triangle {
+                triangle_at[v as usize] = t as u32;
+            }
+        }
+        Self { search: ClosestPoints::new(points, &triangles), triangles, bone_of, triangle_at }
+    }
+
+    /// Whether another bone lies clearly nearer to a place of the target that vertex `i` found.
+    fn is_taken(&self, i: u32, found: &SurfacePoint, rules: &PairRules) -> bool {
+        if rules.taken <= 0.0 || found.distance < rules.near {
+            return false;
+        }
+        let nearest = self.search.closest_from(&found.position, self.triangle_at[i as usize]);
+        nearest.is_some_and(|nearest| {
+            let other = self.triangles[nearest.triangle as usize][0];
+            self.bone_of[other as usize] != self.bone_of[i as usize]
+                && nearest.distance < rules.taken * found.distance
+        })
+    }
 }
 
 impl Group {
@@ -261,18 +337,25 @@ impl Group {
         local: &'b [Vec3],
         normals: &'b [Vec3],
         surface: &'b SearchedSurface,
+        rules: &'b PairRules,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
-        let (samples, first) = (&self.forward, self.vertices.start as u32);
+        let (samples, first, bones) = (&self.forward, self.vertices.start as u32, &self.bones);
         let hits = self.forward_hits.par_iter_mut();
         samples.vertices.par_iter().zip(&samples.areas).zip(hits).with_min_len(64).filter_map(
             move |((&i, &area), hit)| {
                 let found = surface.search.closest_from(&local[i as usize], *hit)?;
                 *hit = found.triangle;
-                let cosine =
-                    normals[i as usize].dot(&surface.face_normals[found.triangle as usize]);
+                let beyond = surface.border.has(&surface.mesh, &found);
+                let side = if beyond { Side::BeyondBorder } else { Side::Template };
+                let normal = &surface.face_normals[found.triangle as usize];
+                let cosine = if beyond || bones.is_taken(i, &found, rules) {
+                    f64::NEG_INFINITY
+                } else {
+                    normals[i as usize].dot(normal)
+                };
                 let v = i + first;
                 let pull = found.position - local[i as usize];
-                Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine })
+                Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine, side })
             },
         )
     }
@@ -284,7 +367,7 @@ impl Group {
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
         let (samples, first) = (&self.backward, self.vertices.start as u32);
-        let (search, triangles) = (&self.search, &self.triangles);
+        let (search, triangles) = (&self.bones.search, &self.bones.triangles);
         let hits = self.backward_hits.par_iter_mut();
         samples.vertices.par_iter().zip(&samples.areas).zip(hits).with_min_len(64).filter_map(
             move |((&q, &area), hit)| {
@@ -295,7 +378,8 @@ impl Group {
                 let normal = unit_or_zero(&faces[triangle as usize]);
                 let cosine = surface.vertex_normals[q as usize].dot(&normal);
                 let vertices = triangles[triangle as usize].map(|v| v + first);
-                Some(Pair { vertices, shares: barycentric, area, pull: goal - position, cosine })
+                let (pull, side) = (goal - position, Side::Target);
+                Some(Pair { vertices, shares: barycentric, area, pull, cosine, side })
             },
         )
     }

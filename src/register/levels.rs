@@ -18,6 +18,9 @@ const EARLY_PULL: f64 = 3.0;
 /// open the next level closes. 3 saves a quarter of the iterations; with 6 one hand in fifteen went wrong.
 const EARLY_TOLERANCE: f64 = 3.0;
 
+/// Pairs shorter than this share of the template's diagonal do no harm, whosever they are.
+const NEAR: f64 = 0.0003;
+
 /// One cluster size with its rules.
 #[derive(Clone, Debug)]
 pub(super) struct Level {
@@ -66,6 +69,9 @@ impl Registration {
         }
         let count = levels.len();
         for (k, level) in levels.iter_mut().enumerate() {
+            if k == 0 {
+                level.rules.taken = 0.0;
+            }
             level.rules.reach = self.image_reach(k, count);
         }
         Ok(levels)
@@ -85,6 +91,8 @@ impl Registration {
             robust,
             robust_floor: 0.005 * self.diagonal,
             both_ways: self.options.both_ways,
+            taken: self.options.taken_factor,
+            near: NEAR * self.diagonal,
             reach: self.options.image_reach[1] * self.diagonal,
         }
     }

@@ -10,10 +10,13 @@
 
 pub mod animation;
 pub mod areas;
+mod attempts;
 pub mod bone_scales;
+mod border;
 pub mod correspond;
 pub mod elastic;
 pub mod fast_sums;
+mod finish;
 mod image;
 pub mod joint_frames;
 pub mod joint_limits;
@@ -28,6 +31,7 @@ pub mod pose_at_once;
 mod pose_rows;
 mod pose_starts;
 mod prealign;
+mod prepared;
 pub mod registration;
 pub mod rotation;
 pub mod sampled_clusters;
@@ -36,9 +40,11 @@ pub mod shape_model;
 pub mod skeleton;
 mod start;
 pub mod summary;
+mod surface;
 mod target;
 mod track;
 pub mod transfer;
+mod update;
 pub mod verdict;
 
 pub use image::Appearance;

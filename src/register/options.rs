@@ -77,6 +77,9 @@ pub struct Options {
     pub min_cosine: f64,
     /// The same for the last level.
     pub last_min_cosine: f64,
+    /// A place of the target belongs to another bone when that one is nearer to it by this factor;
+    /// 0 = to all that find it. Not on the first level, where all bones move as one.
+    pub taken_factor: f64,
     /// Robust distance scale of the last level in median distances.
     pub robust_factor: f64,
     /// Spacing of the sampled pairs as a share of the level's cluster radius (0 = use all).
@@ -91,6 +94,8 @@ pub struct Options {
     pub seat_factor: f64,
     /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
+    /// Other ways that are tried where bones stay in doubt.
+    pub other_ways: usize,
     /// The target is of this unit and this side of the body, whatever it looks like.
     pub as_is: bool,
     /// How far an image is searched to each side of a vertex, at the first and at the last level, as
@@ -117,12 +122,14 @@ impl Default for Options {
             joint_sweeps: 10,
             min_cosine: -0.2,
             last_min_cosine: 0.3,
+            taken_factor: 0.5,
             robust_factor: 2.5,
             pair_spacing: 0.125,
             coarsest_pairs: 0.02,
             pose_starts: vec![0.0],
             seat_factor: 5.0,
             align: true,
+            other_ways: 2,
             as_is: false,
             image_reach: [0.1, 0.025],
         }
@@ -139,7 +146,9 @@ impl Options {
             refine_bones: false,
             momentum: 0.0,
             min_cosine: -1.0,
+            taken_factor: 0.0,
             pair_spacing: 0.0,
+            other_ways: 0,
             ..Self::default()
         }
     }

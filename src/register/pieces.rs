@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::target::{SearchedSurface, Target};
+use super::surface::SearchedSurface;
+use super::target::Target;
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -61,7 +62,7 @@ pub(super) fn without_far_parts(
 /// The number of its cluster for each vertex, from 0: connected surfaces belong together, and what
 /// comes nearer than `gap` does. (Vertices are compared by cells of that size, so gaps up to three
 /// and a half times as wide may be bridged.)
-pub(super) fn clusters(mesh: &TriMesh, gap: f64) -> Vec<u32> {
+fn clusters(mesh: &TriMesh, gap: f64) -> Vec<u32> {
     let mut sets = DisjointSets::new(mesh.points.len());
     for triangle in &mesh.triangles {
         sets.join(triangle[0], triangle[1]);

@@ -1,10 +1,12 @@
 //! Targets that cannot be meant: in another unit, or of the other side of the body.
 
+use super::attempts::Way;
 use super::registration::Registration;
 use super::summary::Registered;
 use super::target::Target;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::run::Run;
 
 /// A target larger or smaller than the template by more than this factor is in another unit.
 const UNIT_FACTOR: f64 = 6.0;
@@ -55,27 +57,29 @@ impl Registration {
         ratios.sort_by(f64::total_cmp);
         ratios.get(ratios.len() / 2).copied()
     }
-}
 
-/// Refuses the target where its mirror image is the better one. A target that fits is not
-/// mirrored, so the trial is only made where at least half of the bones are in doubt.
-pub(super) fn refuse_mirrored(
-    found: &Registered,
-    mirrored: impl FnOnce() -> Registered,
-) -> Result<()> {
-    if 2 * found.named_bones() < found.bones.len() {
-        return Ok(());
+    /// Refuses the target where its mirror image is the better one. A target that fits is not mirrored,
+    /// so the trial is only made where at least half of the bones are in doubt.
+    pub(super) fn refuse_mirrored(
+        &self,
+        found: &Registered,
+        target: &Target,
+        run: &Run,
+    ) -> Result<()> {
+        let (named, count) = (found.named_bones(), found.bones.len());
+        if 2 * named < count {
+            return Ok(());
+        }
+        let other = self.find(&target.mirrored(), Way::MIRRORED, run);
+        let Some(other) = other.filter(|other| !other.cancelled) else { return Ok(()) };
+        if CLEARLY * other.named_bones() > named {
+            return Ok(());
+        }
+        Err(Error::invalid(format!(
+            "the target looks like a mirror image of the template: as it is {named} of {count} bones are in doubt, mirrored {}; mirror one of them (left and right?), or say that it is meant as it is",
+            other.named_bones()
+        )))
     }
-    let other = mirrored();
-    if other.cancelled || CLEARLY * other.named_bones() > found.named_bones() {
-        return Ok(());
-    }
-    Err(Error::invalid(format!(
-        "the target looks like a mirror image of the template: as it is {} of {} bones are in doubt, mirrored {}; mirror one of them (left and right?), or say that it is meant as it is",
-        found.named_bones(),
-        found.bones.len(),
-        other.named_bones()
-    )))
 }
 
 /// Middle distance from the middle point: a size that a few strange points do not change.

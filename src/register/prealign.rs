@@ -12,8 +12,9 @@ use super::pose::{BoneMoments, moved};
 use super::rotation::{PairSums, best_rotation};
 use super::samples::Samples;
 use super::skeleton::Skeleton;
-use super::target::{SearchedSurface, Target};
-use crate::locate::ClosestPoints;
+use super::surface::SearchedSurface;
+use super::target::Target;
+use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::{Mat3, Vec3};
 use crate::mesh::bounding_box;
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
@@ -28,6 +29,9 @@ const FINALISTS: usize = 4;
 /// Places nearer than this share of the template's diagonal tell which of two starts is better.
 const NEAR_SHARE: f64 = 0.05;
 
+/// Starts nearer to each other than this share of the diagonal, root mean square, are one.
+const DISTINCT: f64 = 0.1;
+
 struct Alignment<'a> {
     template: &'a Skeleton,
     search: ClosestPoints,
@@ -38,23 +42,49 @@ struct Alignment<'a> {
     backward: Samples,
 }
 
-/// The rigid motion that carries the template near the target.
-pub(super) fn rigid_start(template: &Skeleton, areas: &[f64], target: &Target) -> Isometry3<f64> {
+/// Rigid motions that carry the template near the target, the best one first.
+pub(super) fn rigid_starts(
+    template: &Skeleton,
+    areas: &[f64],
+    target: &Target,
+) -> Vec<Isometry3<f64>> {
     if let Some(motion) = from_labels(template, areas, target) {
-        return motion;
+        return vec![motion];
     }
     let mut parts = target.surfaces.iter().flatten();
-    let Some(first) = parts.next() else { return Isometry3::identity() };
+    let Some(first) = parts.next() else { return vec![Isometry3::identity()] };
     let all = parts.next().map(|_| target.joined());
     let surface = all.as_ref().unwrap_or(first);
     let whole = Alignment::new(template, areas, surface);
-    let best = whole.best(areas);
+    let mut found = whole.best(areas);
     // Something far away may not belong to the bones: is the rest found better without it?
     let diagonal = bounding_box(&template.points).map_or(0.0, |(low, high)| (high - low).norm());
-    let Some(main) = main_part(surface, diagonal) else { return best };
-    let other = Alignment::new(template, areas, &main).best(areas);
-    let near = |motion| whole.share_near(motion, NEAR_SHARE * diagonal);
-    if near(&other) > near(&best) { other } else { best }
+    if let Some(main) = main_part(surface, diagonal) {
+        let others = Alignment::new(template, areas, &main).best(areas);
+        let near = |motions: &[Isometry3<f64>]| {
+            motions.first().map(|motion| whole.share_near(motion, NEAR_SHARE * diagonal))
+        };
+        let better = near(&others) > near(&found);
+        let rest = if better { std::mem::replace(&mut found, others) } else { others };
+        found.extend(rest);
+    }
+    apart(found, &template.points, DISTINCT * diagonal)
+}
+
+/// Motions without those that carry the points nearly as one before them does.
+fn apart(motions: Vec<Isometry3<f64>>, points: &[Vec3], distance: f64) -> Vec<Isometry3<f64>> {
+    let mut chosen: Vec<Isometry3<f64>> = Vec::new();
+    for motion in motions {
+        let between = |other: &Isometry3<f64>| {
+            let squares =
+                points.iter().map(|p| (moved(&motion, p) - moved(other, p)).norm_squared());
+            (squares.sum::<f64>() / points.len() as f64).sqrt()
+        };
+        if chosen.iter().all(|other| between(other) > distance) {
+            chosen.push(motion);
+        }
+    }
+    chosen
 }
 
 /// Bones' centres on their namesakes' centres, where the target tells three or more bones apart.
@@ -125,18 +155,21 @@ impl<'a> Alignment<'a> {
         }
     }
 
-    /// The best of all starts.
-    fn best(&self, areas: &[f64]) -> Isometry3<f64> {
+    /// The best of all starts, refined, best first.
+    fn best(&self, areas: &[f64]) -> Vec<Isometry3<f64>> {
+        let by_error = |found: &mut Vec<(Isometry3<f64>, f64)>| {
+            found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        };
         let refine = |start: &Isometry3<f64>, rounds| self.refined(*start, rounds);
         let mut found: Vec<(Isometry3<f64>, f64)> = starts(self.template, areas, self.surface)
             .par_iter()
             .map(|s| refine(s, FIRST_ROUNDS))
             .collect();
-        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        by_error(&mut found);
         found.truncate(FINALISTS);
-        let finals: Vec<_> = found.par_iter().map(|(s, _)| refine(s, LAST_ROUNDS)).collect();
-        let best = finals.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        best.map_or_else(Isometry3::identity, |(motion, _)| motion)
+        let mut finals: Vec<_> = found.par_iter().map(|(s, _)| refine(s, LAST_ROUNDS)).collect();
+        by_error(&mut finals);
+        finals.into_iter().map(|(motion, _)| motion).collect()
     }
 
     /// The area of both sides that has the other side within `distance`, as a share.
@@ -186,7 +219,9 @@ impl<'a> Alignment<'a> {
         };
         for (&i, &area) in self.forward.vertices.iter().zip(&self.forward.areas) {
             let from = &self.template.points[i as usize];
-            if let Some(hit) = self.surface.search.closest(&moved(motion, from)) {
+            let hit = self.surface.search.closest(&moved(motion, from));
+            let seen = |hit: &SurfacePoint| !self.surface.border.has(&self.surface.mesh, hit);
+            if let Some(hit) = hit.filter(seen) {
                 let normal = motion.rotation * self.normals[i as usize];
                 let cosine = normal.dot(&self.surface.face_normals[hit.triangle as usize]);
                 add(from, &hit.position, cosine, area);

@@ -6,37 +6,29 @@
 
 use std::time::Instant;
 
-use nalgebra::Isometry3;
-use rayon::prelude::*;
-
 use super::areas::vertex_areas;
-use super::bone_scales::{BoneScales, ScaleFreedom, put_in_place};
-use super::correspond::{Correspond, Correspondences};
-use super::elastic::whole_motion;
-use super::joint_frames::take_shape;
+use super::attempts::Way;
+use super::bone_scales::BoneScales;
+use super::correspond::{Correspond, Correspondences, PairRules};
 use super::levels::Level;
 use super::options::{Options, Schedule};
 use super::pieces::without_far_parts;
-use super::plausible::refuse_mirrored;
-use super::pose::{BoneMoments, rigid_targets, settle_tree};
-use super::pose_at_once::nearest_pose;
 use super::shape_model::ShapeModel;
-use super::skeleton::{Joint, Skeleton};
+use super::skeleton::Skeleton;
 use super::start::START_SPACING;
-use super::summary::{Found, LevelTrace, Registered};
+use super::summary::{LevelTrace, Registered};
 use super::target::Target;
+use super::update::moments;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::run::Run;
 
 /// Weight of a vertex without a pair against one with a pair of the same area: it holds its place
 /// only where nothing else does.
-const UNSEEN_WEIGHT: f64 = 1e-6;
+pub(super) const UNSEEN_WEIGHT: f64 = 1e-6;
 /// Levels after which bones that lie on their neighbours are looked for; on finer ones the elastic
 /// shape hides them.
 const REPAIRED_LEVELS: usize = 2;
-/// Steps for all joints at once at the end, so that loops close as well.
-const FINAL_STEPS: usize = 30;
 
 /// A template prepared for registration to many targets.
 #[derive(Clone, Debug)]
@@ -47,11 +39,13 @@ pub struct Registration {
     pub(super) diagonal: f64,
     pub(super) options: Options,
     pub(super) levels: Vec<Level>,
-    scales: BoneScales,
+    pub(super) scales: BoneScales,
     /// Statistics instead of bone scales.
-    model: Option<ShapeModel>,
+    pub(super) model: Option<ShapeModel>,
     /// The heaviest bone.
     pub(super) root: usize,
+    /// The joints of a spanning forest from there outwards.
+    pub(super) outwards: Vec<(usize, bool)>,
 }
 
 /// What the loop changes.
@@ -98,11 +92,13 @@ impl Registration {
             scales,
             model: None,
             root: 0,
+            outwards: Vec::new(),
         };
         let masses = moments(&registration.template, &registration.areas);
         registration.root = (0..masses.len())
             .max_by(|&a, &b| masses[a].mass.total_cmp(&masses[b].mass))
             .unwrap_or(0);
+        registration.outwards = registration.template.spanning_forest(registration.root);
         registration.levels = registration.make_levels()?;
         Ok(registration)
     }
@@ -126,21 +122,26 @@ impl Registration {
         if target.is_labelled() && target.surfaces.len() != self.template.bones.len() {
             return Err(Error::invalid("the target was labelled for another skeleton"));
         }
-        if self.options.as_is || target.image.is_some() {
-            return Ok(self.find(target, run));
+        let refuses = !self.options.as_is && target.image.is_none();
+        if refuses {
+            self.refuse_other_unit(target)?;
         }
-        self.refuse_other_unit(target)?;
-        let found = self.find(target, run);
-        if !found.cancelled {
-            refuse_mirrored(&found, || self.find(&target.mirrored(), run))?;
+        let found = self
+            .find(target, Way::PLAIN, run)
+            .ok_or_else(|| Error::invalid("the template cannot be laid on the target"))?;
+        if found.cancelled {
+            return Ok(found);
         }
-        Ok(found)
+        if refuses {
+            self.refuse_mirrored(&found, target, run)?;
+        }
+        Ok(self.best_of_ways(found, target, run))
     }
 
-    /// The loop.
-    fn find(&self, target: &Target, run: &Run) -> Registered {
+    /// The loop; none where there is no such way.
+    pub(super) fn find(&self, target: &Target, way: Way, run: &Run) -> Option<Registered> {
         let mut search_coarse = self.search(target, START_SPACING * self.diagonal);
-        let mut state = self.start(target, &mut search_coarse, run);
+        let mut state = self.start(target, way, &mut search_coarse, run)?;
         let near =
             without_far_parts(target, &state.points, &self.template.triangles, self.diagonal);
         let target = near.as_ref().unwrap_or(target);
@@ -153,17 +154,17 @@ impl Registration {
                 break;
             }
             let share = |k: usize| 0.15 + 0.8 * k as f64 / self.levels.len() as f64;
-            run.enter(&level.name(), share(k));
+            way.enter(run, &level.name(), share(k));
             let mut search =
                 search_coarse.resampled(&self.template.points, &self.areas, level.spacing);
             let most = self.options.max_iterations;
-            trace.push(self.run_level(level, &mut search, &mut state, run, most));
+            trace.push(self.run_level(level, way, &mut search, &mut state, run, most));
             if k < REPAIRED_LEVELS && self.options.use_joints && target.image.is_none() {
-                self.repair(level, &mut search_coarse, &mut state, run);
+                self.repair(level, way, &mut search_coarse, &mut state, run);
             }
         }
-        run.enter("joints and residuals", 0.95);
-        self.finish(state, target, trace, run.is_cancelled())
+        way.enter(run, "joints and residuals", 0.95);
+        Some(self.finish(state, target, trace, run.is_cancelled()))
     }
 
     pub(super) fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
@@ -173,18 +174,20 @@ impl Registration {
     pub(super) fn run_level(
         &self,
         level: &Level,
+        way: Way,
         search: &mut Correspond,
         state: &mut State,
         run: &Run,
         most_updates: usize,
     ) -> LevelTrace {
         let mut trace = LevelTrace { radius: level.radius, ..LevelTrace::default() };
+        let rules = PairRules { robust: level.rules.robust.or(way.robust), ..level.rules };
         let started = Instant::now();
         let mut at_last_update = state.points.clone();
         let mut before_last = state.points.clone();
         let mut elastic_left = self.options.max_iterations;
         while trace.updates < most_updates && !run.is_cancelled() {
-            let mut pairs = search.at(&state.points, &level.rules);
+            let mut pairs = search.at(&state.points, &rules);
             if !search.in_image() {
                 let drift = state.points.iter().zip(&before_last).map(|(now, before)| now - before);
                 pairs.slide_on(drift, self.options.momentum);
@@ -196,7 +199,8 @@ impl Registration {
                 Schedule::Never => false,
             };
             if update {
-                self.update_reference(level, state, &pairs.wanted, &masses);
+                self.update_reference(level, state, &pairs, &masses);
+                pairs.rest_on(&state.reference.points);
                 trace.updates += 1;
                 elastic_left = self.options.max_iterations;
             }
@@ -233,51 +237,6 @@ impl Registration {
         pairs.weight.iter().zip(&self.areas).map(|(w, area)| w + UNSEEN_WEIGHT * area).collect()
     }
 
-    /// The plastic update: plausible shape, frames, joint pose.
-    fn update_reference(&self, level: &Level, state: &mut State, wanted: &[Vec3], masses: &[f64]) {
-        let shape = match &self.model {
-            Some(model) => {
-                state.coefficients = model.project(&self.template, wanted, masses);
-                Some(model.synthesize(&state.coefficients))
-            }
-            None if level.freedom == ScaleFreedom::Fixed => None,
-            None => {
-                let fit = (level.freedom, level.scale_pull);
-                state.scales = self.scales.fit(&self.template, wanted, masses, &state.scales, fit);
-                Some(self.scales.shape(&self.template, &state.scales))
-            }
-        };
-        if let Some(shape) = shape {
-            let placed =
-                put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
-            take_shape(&mut state.reference, placed, &self.areas);
-        }
-        let motions = self.pose(&state.reference, wanted, masses, 0);
-        state.reference.move_bones(&motions);
-    }
-
-    /// The motions that carry the reference bones to `wanted` under the joints' limits: sweeps, then
-    /// `steps` for all joints at once.
-    fn pose(
-        &self,
-        reference: &Skeleton,
-        wanted: &[Vec3],
-        masses: &[f64],
-        steps: usize,
-    ) -> Vec<Isometry3<f64>> {
-        let whole = whole_motion(&reference.points, wanted, masses);
-        let targets: Vec<Isometry3<f64>> =
-            rigid_targets(reference, &reference.points, wanted, masses)
-                .into_iter()
-                .map(|t| t.unwrap_or(whole))
-                .collect();
-        if !self.options.use_joints {
-            return targets;
-        }
-        let moments = moments(reference, masses);
-        nearest_pose(reference, &moments, &targets, self.options.joint_sweeps, steps).transforms
-    }
-
     fn largest_bone_move(&self, before: &[Vec3], after: &[Vec3]) -> f64 {
         let mean = |range: std::ops::Range<usize>| {
             let count = range.len().max(1) as f64;
@@ -285,79 +244,12 @@ impl Registration {
         };
         self.template.bones.iter().map(|b| mean(b.vertices.clone())).fold(0.0, f64::max)
     }
-
-    /// The elastic shape becomes the reference, its frames follow, and the pose is put inside all
-    /// limits; then the result is measured.
-    pub(super) fn finish(
-        &self,
-        state: State,
-        target: &Target,
-        levels: Vec<LevelTrace>,
-        cancelled: bool,
-    ) -> Registered {
-        let State { mut reference, points, scales, coefficients } = state;
-        let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
-        take_shape(&mut reference, placed, &self.areas);
-        // The joint points of both bones are estimates; where they disagree a little, the bones
-        // stay where the data puts them and the joint is seated again in the middle.
-        let limits: Vec<f64> = reference.joints.iter().map(|j| j.limits.shift).collect();
-        for joint in &mut reference.joints {
-            joint.limits.shift *= self.options.seat_factor.max(1.0);
-        }
-        let free = rigid_targets(&reference, &reference.points, &points, &self.areas);
-        let free: Vec<_> = free.into_iter().map(Option::unwrap_or_default).collect();
-        let wanted =
-            reference.joints.iter().map(|j| j.transform(&free[j.parent], &free[j.child])).collect();
-        let mut motions = self.pose(&reference, &points, &self.areas, FINAL_STEPS);
-        if self.options.use_joints {
-            settle_tree(&reference, self.root, &mut motions);
-        }
-        reference.move_bones(&motions);
-        let mut seams = Vec::new();
-        for (joint, limit) in reference.joints.iter_mut().zip(limits) {
-            seams.push(seat(joint));
-            joint.limits.shift = limit;
-        }
-        let rules = self.rules(0.0, None);
-        let pairs = self.search(target, 0.0).at(&reference.points, &rules);
-        let found = Found {
-            skeleton: reference,
-            elastic_points: points,
-            scales,
-            coefficients,
-            seams,
-            wanted,
-        };
-        let found = Registered::new(found, &self.template, &self.areas, target, &pairs, levels);
-        Registered { cancelled, ..found }
-    }
-}
-
-/// Puts both joint points in their middle, unless they are further apart than the (widened) limit.
-/// Returns their distance before.
-fn seat(joint: &mut Joint) -> f64 {
-    let (a, b) = (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
-    let distance = (a - b).norm();
-    if distance <= joint.limits.shift * (1.0 + 1e-9) {
-        joint.parent_frame.translation.vector = (a + b) / 2.0;
-        joint.child_frame.translation.vector = (a + b) / 2.0;
-    }
-    distance
-}
-
-fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> {
-    reference
-        .bones
-        .par_iter()
-        .map(|b| {
-            let range = b.vertices.clone();
-            BoneMoments::new(&reference.points[range.clone()], &masses[range])
-        })
-        .collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Isometry3;
+
     use super::*;
     use crate::register::joint_limits::JointLimits;
     use crate::register::skeleton::tests::{block, joint_at};

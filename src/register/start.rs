@@ -1,9 +1,10 @@
 //! Where the loop starts: the best of some poses, and other poses for branches that went wrong.
 
+use super::attempts::Way;
 use super::correspond::Correspond;
 use super::levels::Level;
 use super::pose_starts::{branches, towards_mid_range};
-use super::prealign::rigid_start;
+use super::prealign::rigid_starts;
 use super::registration::{Registration, State};
 use super::target::Target;
 use crate::math::Vec3;
@@ -45,27 +46,34 @@ impl Misfit {
 }
 
 impl Registration {
-    /// Tries the starting poses with rigid bones, keeps the one that comes nearest.
-    pub(super) fn start(&self, target: &Target, search: &mut Correspond, run: &Run) -> State {
-        run.enter("rigid start", 0.0);
+    /// Tries the starting poses with rigid bones, keeps the one that comes nearest. None where there is
+    /// no such start.
+    pub(super) fn start(
+        &self,
+        target: &Target,
+        way: Way,
+        search: &mut Correspond,
+        run: &Run,
+    ) -> Option<State> {
+        way.enter(run, "rigid start", 0.0);
         let mut poses = self.options.pose_starts.clone();
         if poses.is_empty() || !self.options.use_joints {
             poses = vec![0.0];
         }
         let mut best: Option<(f64, State)> = None;
         for &share in &poses {
-            let mut state = self.posed(target, share);
+            let mut state = self.posed(target, way, share)?;
             let mut distance = 0.0;
             if poses.len() > 1 {
                 distance = self
-                    .run_level(&self.levels[0], search, &mut state, run, START_UPDATES)
+                    .run_level(&self.levels[0], way, search, &mut state, run, START_UPDATES)
                     .rms_distance;
             }
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 best = Some((distance, state));
             }
         }
-        best.map_or_else(|| self.posed(target, 0.0), |(_, state)| state)
+        best.map(|(_, state)| state)
     }
 
     /// Finds bones that fit much worse than the others and tries other poses for the branches that
@@ -73,6 +81,7 @@ impl Registration {
     pub(super) fn repair(
         &self,
         level: &Level,
+        way: Way,
         search: &mut Correspond,
         state: &mut State,
         run: &Run,
@@ -101,7 +110,7 @@ impl Registration {
                     );
                     other.reference.move_bones(&motions);
                     other.points.clone_from(&other.reference.points);
-                    self.run_level(level, search, &mut other, run, START_UPDATES);
+                    self.run_level(level, way, search, &mut other, run, START_UPDATES);
                     if let Some(misfit) = self.misfit(search, &other)
                         && misfit.clearly_better(&best, &marks)
                     {
@@ -135,16 +144,19 @@ impl Registration {
         rms.is_finite().then_some(Misfit { rms, of_bone })
     }
 
-    fn posed(&self, target: &Target, share: f64) -> State {
+    fn posed(&self, target: &Target, way: Way, share: f64) -> Option<State> {
         let mut reference = self.template.clone();
         let all = vec![true; reference.bones.len()];
         let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
         reference.move_bones(&motions);
         if self.options.align && target.image.is_none() {
-            let motion = rigid_start(&reference, &self.areas, target);
+            let motion = *rigid_starts(&reference, &self.areas, target).get(way.start)?;
             reference.move_bones(&vec![motion; reference.bones.len()]);
+        } else if way.start > 0 {
+            return None;
         }
         let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
-        State { points: reference.points.clone(), reference, scales, coefficients: Vec::new() }
+        let points = reference.points.clone();
+        Some(State { points, reference, scales, coefficients: Vec::new() })
     }
 }

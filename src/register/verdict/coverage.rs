@@ -8,7 +8,8 @@ use crate::locate::ClosestPoints;
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 use crate::register::samples::Samples;
 use crate::register::skeleton::Skeleton;
-use crate::register::target::{SearchedSurface, Target};
+use crate::register::surface::SearchedSurface;
+use crate::register::target::Target;
 
 /// Places of the target that are looked at, about, at most.
 const MOST_PLACES: f64 = 60_000.0;
@@ -29,6 +30,8 @@ struct Sight {
     area: f64,
     distance: f64,
     facing: bool,
+    /// It lies beyond the end of the target.
+    beyond: bool,
     /// The bone: the vertex's own, or the one that is nearest.
     bone: usize,
     /// Vertex of the target that is nearest (template to target only).
@@ -56,8 +59,10 @@ pub(super) struct BoneCoverage {
     pub(super) shared: f64,
     /// Target that lies nearest to this bone but not on it, as a share of the bone's area.
     pub(super) unexplained: f64,
-    /// Root mean square distance of the bone's surface to the target.
+    /// Root mean square distance of the bone's surface to the target, as far as that goes.
     pub(super) forward: f64,
+    /// Area of the bone that has target before it.
+    faced: f64,
 }
 
 /// One surface of the target with the bones that are looked for in it.
@@ -105,7 +110,10 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
                     bone.shared += sight.area;
                 }
             }
-            bone.forward += sight.area * sight.distance.powi(2);
+            if sight.facing && !sight.beyond {
+                bone.forward += sight.area * sight.distance.powi(2);
+                bone.faced += sight.area;
+            }
         }
     }
     for (b, bone) in bones.iter_mut().enumerate() {
@@ -113,7 +121,7 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
         bone.seen /= area;
         bone.shared /= area;
         bone.unexplained /= area;
-        bone.forward = (bone.forward / area).sqrt();
+        bone.forward = if bone.faced > 0.0 { (bone.forward / bone.faced).sqrt() } else { 0.0 };
     }
     Coverage { bones, explained: explained / whole, middle }
 }
@@ -161,6 +169,7 @@ impl Look<'_> {
                 area: areas[self.vertices.start + i],
                 distance: (hit.position - points[i]).norm(),
                 facing: normals[i].dot(&surface.face_normals[hit.triangle as usize]) > FACING,
+                beyond: surface.border.has(&surface.mesh, &hit),
                 bone: bone_of[self.vertices.start + i] as usize,
                 target: corners[heaviest.unwrap_or(0)] as usize,
             })
@@ -182,6 +191,7 @@ impl Look<'_> {
                 area,
                 distance: (hit.position - point).norm(),
                 facing: surface.vertex_normals[q as usize].dot(&normal) > FACING,
+                beyond: false,
                 bone: bone_of[self.vertices.start + corner] as usize,
                 target: q as usize,
             })

@@ -1,0 +1,77 @@
+//! Several ways to a result: where the first one leaves bones in doubt others are tried, and the one
+//! that leaves the least doubt is kept.
+
+use super::registration::Registration;
+use super::summary::Registered;
+use super::target::Target;
+use super::verdict::Verdict;
+use crate::run::Run;
+
+/// Robust distance scale of the other ways, in median distances.
+const NEAR_FACTOR: f64 = 4.0;
+
+/// A way through the levels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// What the progress says before its stages.
+    name: &'static str,
+    /// Its part of the progress.
+    from: f64,
+    to: f64,
+    /// Distance scale of robust weights on levels that do not have one of their own. Without it far
+    /// pairs carry bones of other sizes to their places; with it things that belong to no bone pull
+    /// less.
+    pub(super) robust: Option<f64>,
+    /// Which of the rigid starts, best first.
+    pub(super) start: usize,
+}
+
+impl Way {
+    /// The way that is tried first.
+    pub(super) const PLAIN: Self = Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0 };
+    /// The same to the mirrored target.
+    pub(super) const MIRRORED: Self =
+        Self { name: "mirrored: ", from: 0.6, to: 0.7, ..Self::PLAIN };
+    const NEAR: Self = Self {
+        name: "far pairs trusted less: ",
+        from: 0.7,
+        to: 0.85,
+        robust: Some(NEAR_FACTOR),
+        start: 0,
+    };
+    const SECOND_START: Self =
+        Self { name: "second start: ", from: 0.85, to: 1.0, start: 1, ..Self::NEAR };
+
+    /// Says that a stage begins at a share of this way.
+    pub(super) fn enter(&self, run: &Run, stage: &str, share: f64) {
+        let fraction = self.from + share * (self.to - self.from);
+        run.enter(&format!("{}{stage}", self.name), fraction);
+    }
+}
+
+/// The ways tried after the plain one, in order, and the share of the bones in doubt from which on.
+const WAYS: [(Way, f64); 2] = [(Way::NEAR, 0.0), (Way::SECOND_START, 0.5)];
+
+impl Registration {
+    /// The result that leaves the least doubt, `found` or that of another way.
+    pub(super) fn best_of_ways(&self, found: Registered, target: &Target, run: &Run) -> Registered {
+        let mut best = found;
+        for (way, share) in WAYS.into_iter().take(self.options.other_ways) {
+            let named = best.named_bones() as f64;
+            if named == 0.0 || named < share * best.bones.len() as f64 || run.is_cancelled() {
+                break;
+            }
+            let other = self.find(target, way, run).filter(|other| !other.cancelled);
+            if let Some(other) = other.filter(|other| doubt(other) < doubt(&best)) {
+                best = other;
+            }
+        }
+        Registered { cancelled: run.is_cancelled(), ..best }
+    }
+}
+
+/// Bones in doubt, failed ones counted twice.
+fn doubt(found: &Registered) -> usize {
+    let count = |verdict| found.bones.iter().filter(|b| b.verdict == verdict).count();
+    count(Verdict::Doubtful) + 2 * count(Verdict::Failed)
+}

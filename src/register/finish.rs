@@ -1,0 +1,88 @@
+//! The end of a run: the joints are put inside their limits, and the result is measured.
+
+use super::bone_scales::put_in_place;
+use super::correspond::Correspondences;
+use super::joint_frames::take_shape;
+use super::pose::{rigid_targets, settle_tree};
+use super::registration::{Registration, State, UNSEEN_WEIGHT};
+use super::skeleton::Joint;
+use super::summary::{Found, LevelTrace, Registered};
+use super::target::Target;
+
+/// Steps for all joints at once at the end, so that loops close as well.
+const FINAL_STEPS: usize = 30;
+
+impl Registration {
+    /// The elastic shape becomes the reference, its frames follow, and the pose is put inside all
+    /// limits; then the result is measured.
+    pub(super) fn finish(
+        &self,
+        state: State,
+        target: &Target,
+        levels: Vec<LevelTrace>,
+        cancelled: bool,
+    ) -> Registered {
+        let State { mut reference, points, scales, coefficients } = state;
+        let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
+        take_shape(&mut reference, placed, &self.areas);
+        // The joint points of both bones are estimates; where they disagree a little, the bones
+        // stay where the data puts them and the joint is seated again in the middle.
+        let limits: Vec<f64> = reference.joints.iter().map(|j| j.limits.shift).collect();
+        for joint in &mut reference.joints {
+            joint.limits.shift *= self.options.seat_factor.max(1.0);
+        }
+        let free = rigid_targets(&reference, &reference.points, &points, &self.areas);
+        let free: Vec<_> = free.into_iter().map(Option::unwrap_or_default).collect();
+        let wanted =
+            reference.joints.iter().map(|j| j.transform(&free[j.parent], &free[j.child])).collect();
+        let (mut search, rules) = (self.search(target, 0.0), self.rules(0.0, None));
+        let masses = self.masses_of_seen_bones(&search.at(&points, &rules));
+        let none = vec![0.0; points.len()];
+        let mut motions = self.pose(&reference, &points, [&masses, &none], FINAL_STEPS);
+        if self.options.use_joints {
+            settle_tree(&reference, self.root, &mut motions);
+        }
+        reference.move_bones(&motions);
+        let mut seams = Vec::new();
+        for (joint, limit) in reference.joints.iter_mut().zip(limits) {
+            seams.push(seat(joint));
+            joint.limits.shift = limit;
+        }
+        let pairs = search.at(&reference.points, &rules);
+        let found = Found {
+            skeleton: reference,
+            elastic_points: points,
+            scales,
+            coefficients,
+            seams,
+            wanted,
+        };
+        let found = Registered::new(found, &self.template, &self.areas, target, &pairs, levels);
+        Registered { cancelled, ..found }
+    }
+
+    /// The areas of the vertices, each bone's times the share of it that the target shows.
+    fn masses_of_seen_bones(&self, pairs: &Correspondences) -> Vec<f64> {
+        let mut masses = self.areas.clone();
+        for bone in &self.template.bones {
+            let range = bone.vertices.clone();
+            let [area, unseen] =
+                [&self.areas, &pairs.unseen].map(|of| of[range.clone()].iter().sum::<f64>());
+            let share = (1.0 - unseen / area).max(UNSEEN_WEIGHT);
+            masses[range].iter_mut().for_each(|mass| *mass *= share);
+        }
+        masses
+    }
+}
+
+/// Puts both joint points in their middle, unless they are further apart than the (widened) limit.
+/// Returns their distance before.
+fn seat(joint: &mut Joint) -> f64 {
+    let (a, b) = (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
+    let distance = (a - b).norm();
+    if distance <= joint.limits.shift * (1.0 + 1e-9) {
+        joint.parent_frame.translation.vector = (a + b) / 2.0;
+        joint.child_frame.translation.vector = (a + b) / 2.0;
+    }
+    distance
+}

@@ -1,0 +1,151 @@
+//! The plastic update: the shape that is plausible and the pose that the joints allow, from where the
+//! vertices want to go.
+//!
+//! [G] sections 3.3 and 3.4. What the target does not show takes part through the bones it hangs on.
+
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+
+use super::bone_scales::{ScaleFreedom, put_in_place};
+use super::correspond::Correspondences;
+use super::elastic::whole_motion;
+use super::joint_frames::take_shape;
+use super::levels::Level;
+use super::pose::{BoneMoments, moved, rigid_targets};
+use super::pose_at_once::nearest_pose;
+use super::registration::{Registration, State};
+use super::rotation::PairSums;
+use super::skeleton::Skeleton;
+use crate::math::Vec3;
+
+/// Weight with which the unseen part of a bone follows the bone it hangs on, against that of a seen part.
+const FOLLOWING: f64 = 0.02;
+
+impl Registration {
+    /// The plastic update: plausible shape, frames, joint pose.
+    pub(super) fn update_reference(
+        &self,
+        level: &Level,
+        state: &mut State,
+        pairs: &Correspondences,
+        masses: &[f64],
+    ) {
+        let wanted = &pairs.wanted;
+        let shape = match &self.model {
+            Some(model) => {
+                state.coefficients = model.project(&self.template, wanted, masses);
+                Some(model.synthesize(&state.coefficients))
+            }
+            None if level.freedom == ScaleFreedom::Fixed => None,
+            None => {
+                let fit = (level.freedom, level.scale_pull);
+                state.scales = self.scales.fit(&self.template, wanted, masses, &state.scales, fit);
+                Some(self.scales.shape(&self.template, &state.scales))
+            }
+        };
+        if let Some(shape) = shape {
+            let placed =
+                put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
+            take_shape(&mut state.reference, placed, &self.areas);
+        }
+        let motions = self.pose(&state.reference, wanted, [masses, &pairs.unseen], 0);
+        state.reference.move_bones(&motions);
+    }
+
+    /// The motions that carry the reference bones to `wanted` under the joints' limits: sweeps, then
+    /// `steps` for all joints at once.
+    pub(super) fn pose(
+        &self,
+        reference: &Skeleton,
+        wanted: &[Vec3],
+        [masses, unseen]: [&[f64]; 2],
+        steps: usize,
+    ) -> Vec<Isometry3<f64>> {
+        let mut targets = rigid_targets(reference, &reference.points, wanted, masses);
+        self.let_unseen_follow(&mut targets, reference, wanted, [masses, unseen]);
+        let whole = whole_motion(&reference.points, wanted, masses);
+        let targets: Vec<Isometry3<f64>> =
+            targets.into_iter().map(|t| t.unwrap_or(whole)).collect();
+        if !self.options.use_joints {
+            return targets;
+        }
+        let moments = moments(reference, masses);
+        nearest_pose(reference, &moments, &targets, self.options.joint_sweeps, steps).transforms
+    }
+
+    /// What the target does not show of a bone goes, lightly, with the bone it hangs on, from the
+    /// heaviest bone outwards.
+    fn let_unseen_follow(
+        &self,
+        targets: &mut [Option<Isometry3<f64>>],
+        reference: &Skeleton,
+        wanted: &[Vec3],
+        [masses, unseen]: [&[f64]; 2],
+    ) {
+        for &(j, to_child) in &self.outwards {
+            let joint = &reference.joints[j];
+            let (near, far) =
+                if to_child { (joint.parent, joint.child) } else { (joint.child, joint.parent) };
+            let range = reference.bones[far].vertices.clone();
+            let Some(motion) = targets[near] else { continue };
+            if unseen[range.clone()].iter().all(|area| *area <= 0.0) {
+                continue;
+            }
+            let mut sums = PairSums::new(reference.points[range.start]);
+            for i in range {
+                let p = &reference.points[i];
+                sums.add(p, &wanted[i], masses[i]);
+                sums.add(p, &moved(&motion, p), FOLLOWING * unseen[i]);
+            }
+            targets[far] = sums.best_rigid();
+        }
+    }
+}
+
+pub(super) fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> {
+    reference
+        .bones
+        .par_iter()
+        .map(|b| {
+            let range = b.vertices.clone();
+            BoneMoments::new(&reference.points[range.clone()], &masses[range])
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::register::joint_limits::JointLimits;
+    use crate::register::options::Options;
+    use crate::register::registration::register;
+    use crate::register::skeleton::tests::{block, joint_at};
+    use crate::register::target::Target;
+    use crate::run::Run;
+
+    #[test]
+    fn bones_that_the_target_does_not_show_go_with_those_they_hang_on() {
+        let limits = JointLimits::new(Vec3::repeat(0.8), Vec3::repeat(0.8), 0.5).unwrap();
+        let half = [Vec3::new(5.0, 3.0, 2.0), Vec3::new(5.0, 2.0, 1.0), Vec3::new(5.0, 2.0, 1.0)];
+        let bone = |k: usize| block(Vec3::new(11.0 * k as f64, 0.0, 0.0), half[k], 6);
+        let joint = |k: usize| {
+            let at = Vec3::new(11.0 * k as f64 + 5.5, 0.0, 0.0);
+            joint_at(&format!("joint {k}"), [k, k + 1], at, limits)
+        };
+        let bones = (0..3).map(|k| (format!("bone {k}"), bone(k))).collect();
+        let chain = Skeleton::new(bones, (0..2).map(joint).collect()).unwrap();
+        let motion = Isometry3::new(Vec3::new(0.4, -0.2, 0.5), Vec3::new(0.05, 0.1, 0.15));
+        let mut seen = bone(0);
+        for point in &mut seen.points {
+            *point = moved(&motion, point);
+        }
+        let target = Target::per_bone(&chain, vec![("bone 0".into(), seen)]).unwrap();
+        // A block lies on itself in many ways; this is the one meant.
+        let options = Options { align: false, ..Options::default() };
+        let found = register(&chain, &target, &options, &Run::new()).unwrap();
+        for (found, before) in found.skeleton.points.iter().zip(&chain.points) {
+            let wanted = moved(&motion, before);
+            assert!((found - wanted).norm() < 0.1, "{found} {wanted}");
+        }
+    }
+}
