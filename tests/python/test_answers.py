@@ -150,12 +150,13 @@ class Answers(unittest.TestCase):
 
     def test_a_bone_that_the_target_hardly_shows_is_in_doubt_with_its_reasons(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
-        registration.set_target(moulage.TriMesh(self.points, self.triangles[:2]))
+        registration.set_target(moulage.TriMesh(self.points, self.triangles[:1]))
         result = registration.run(align=0)
         fit = result.bone_fit(0)
         self.assertNotEqual(fit["verdict"], "good")
-        self.assertEqual((result.summary["verdict"], result.summary["suspicious_bones"]), (fit["verdict"], 1))
-        self.assertIn("off the target", " ".join(fit["reasons"]))
+        self.assertNotEqual(result.summary["verdict"], "good")
+        self.assertEqual(result.summary["suspicious_bones"], 1)
+        self.assertIn("lie on the target", " ".join(fit["reasons"]))
         self.assertIn("cube", " ".join(result.warnings))
 
 
