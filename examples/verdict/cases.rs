@@ -5,6 +5,7 @@ use std::path::Path;
 use moulage::TriMesh;
 use moulage::io::{read_surface, read_volume};
 use moulage::job::read_skeleton;
+use moulage::locate::ClosestPoints;
 use moulage::math::Vec3;
 use moulage::register::{Skeleton, Target};
 use moulage::volume::label_surface;
@@ -31,6 +32,8 @@ pub struct Case {
     pub target: Target,
     /// The truth of each bone; none where the person has no such bone.
     pub truth: Vec<Option<Truth>>,
+    /// The share of each bone that the target shows.
+    pub shown: Vec<f64>,
     /// A bone further off than this is wrong.
     pub wrong: f64,
     /// What the program should say of the whole.
@@ -45,6 +48,23 @@ struct Person {
     bones: Vec<TriMesh>,
     truth: Vec<Option<Truth>>,
     wrong: f64,
+}
+
+/// Target within this distance of a true place shows it, mm: more than the largest noise.
+const SHOWN: f64 = 2.5;
+
+impl Truth {
+    /// The share of its places that a surface shows.
+    fn shown_by(&self, surface: &ClosestPoints) -> f64 {
+        let (Self::Vertices(points) | Self::Surface(TriMesh { points, .. })) = self;
+        let shown = points.iter().filter(|p| surface.closest_within(p, SHOWN).is_some());
+        shown.count() as f64 / points.len() as f64
+    }
+}
+
+fn shown(truth: &[Option<Truth>], scan: &TriMesh) -> Vec<f64> {
+    let search = ClosestPoints::new(&scan.points, &scan.triangles);
+    truth.iter().map(|t| t.as_ref().map_or(0.0, |t| t.shown_by(&search))).collect()
 }
 
 fn mesh(path: &Path) -> TriMesh {
@@ -89,13 +109,16 @@ impl Person {
     }
 
     fn case(&self, what: &str, scan: TriMesh) -> Case {
-        let target = Target::whole(scan).unwrap_or_else(|e| panic!("{e}"));
-        let name = format!("{}: {what}", self.name);
+        self.case_of(what, scan, self.truth.clone())
+    }
+
+    fn case_of(&self, what: &str, scan: TriMesh, truth: Vec<Option<Truth>>) -> Case {
         Case {
-            name,
+            name: format!("{}: {what}", self.name),
             template: self.template.clone(),
-            target,
-            truth: self.truth.clone(),
+            shown: shown(&truth, &scan),
+            target: Target::whole(scan).unwrap_or_else(|e| panic!("{e}")),
+            truth,
             wrong: self.wrong,
             refused: false,
         }
@@ -109,7 +132,7 @@ impl Person {
                 Truth::Surface(surface) => Truth::Surface(mapped(surface, map)),
             })
         });
-        Case { truth: truth.collect(), ..self.case(what, mapped(&self.scan, map)) }
+        self.case_of(what, mapped(&self.scan, map), truth.collect())
     }
 
     fn without(&self, names: &[&str]) -> Case {
@@ -121,11 +144,14 @@ impl Person {
 
     fn labelled(&self, what: &str, change: impl Fn(&TriMesh) -> TriMesh) -> Case {
         let names = self.template.bones.iter().map(|b| b.name.clone());
-        let surfaces =
-            names.zip(self.bones.iter().map(change)).filter(|(_, s)| !s.triangles.is_empty());
-        let target =
-            Target::per_bone(&self.template, surfaces.collect()).unwrap_or_else(|e| panic!("{e}"));
-        Case { target, ..self.case(what, self.scan.clone()) }
+        let surfaces: Vec<(String, TriMesh)> = names.zip(self.bones.iter().map(change)).collect();
+        let of_bone = self.truth.iter().zip(&surfaces);
+        let shown =
+            of_bone.map(|(truth, (_, surface))| shown(std::slice::from_ref(truth), surface)[0]);
+        let shown = shown.collect();
+        let left = surfaces.into_iter().filter(|(_, s)| !s.triangles.is_empty()).collect();
+        let target = Target::per_bone(&self.template, left).unwrap_or_else(|e| panic!("{e}"));
+        Case { target, shown, ..self.case(what, self.scan.clone()) }
     }
 }
 
@@ -253,7 +279,8 @@ fn pelvis(data: &Path) -> Vec<Case> {
     let target = Target::per_bone(&template, seen.to_vec()).unwrap_or_else(|e| panic!("{e}"));
     let truth = seen.iter().map(|(_, surface)| Some(Truth::Surface(surface.clone()))).collect();
     let name = "pelvis: CT that cuts the bones".into();
-    vec![Case { name, template, target, truth, wrong: 5.0, refused: false }]
+    let shown = vec![1.0; seen.len()];
+    vec![Case { name, template, target, truth, shown, wrong: 5.0, refused: false }]
 }
 
 fn dogs(data: &Path) -> Vec<Case> {

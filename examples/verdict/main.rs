@@ -2,7 +2,7 @@
 //! it says of each bone with how far off the bone is. Prints the table of `docs/register.md`; the folder holds cases as
 //! the project's data set does.
 //!
-//! `cargo run --release --example verdict -- FOLDER [PART OF A CASE'S NAME]`
+//! `cargo run --release --example verdict -- FOLDER [PART OF A CASE'S NAME...]`
 //!
 //! With `MOULAGE_VERDICT_BONES=FILE` it writes a line for each bone: error, verdict, reasons.
 #![allow(clippy::print_stdout, clippy::panic, clippy::unwrap_used)]
@@ -23,6 +23,9 @@ use moulage::register::{Options, Registered, Verdict, register};
 
 /// A bone that is no further off than this, mm, is right.
 const RIGHT: f64 = 1.0;
+
+/// A bone of which the target shows this share is shown; of which it shows no more than the rest of it, is not.
+const SHOWN: f64 = 0.9;
 
 /// Bones by what they are and what is said of them.
 #[derive(Default)]
@@ -75,13 +78,15 @@ fn error(case: &Case, found: &Registered, b: usize) -> Option<f64> {
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or_else(|| panic!("give the folder with the cases"));
-    let part = arguments.next().unwrap_or_default();
-    let mut lines = String::from("case\tbone\terror\tverdict\treasons\n");
+    let parts: Vec<String> = arguments.collect();
+    let mut lines = String::from("case\tbone\tshown\terror\tverdict\treasons\n");
     let mut all = Counts::default();
-    println!("| case | rms error, mm | wrong bones, named | right bones, named | the whole | s |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| case | rms error of bones shown, mm | in part | not | wrong bones, named | right bones, named | the whole | s |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
     for case in cases::all(Path::new(&folder)) {
-        if case.name.contains(&part) {
+        if parts.is_empty() || parts.iter().any(|part| case.name.contains(part)) {
             all.join(&run(&case, &mut lines));
         }
     }
@@ -100,6 +105,16 @@ fn main() {
     }
 }
 
+/// Root mean square; nothing of none.
+fn rms(errors: &[f64]) -> String {
+    let squares: f64 = errors.iter().map(|e| e * e).sum();
+    if errors.is_empty() {
+        String::new()
+    } else {
+        format!("{:.2}", (squares / errors.len() as f64).sqrt())
+    }
+}
+
 /// Runs one case and prints its row.
 fn run(case: &Case, lines: &mut String) -> Counts {
     let started = Instant::now();
@@ -110,29 +125,34 @@ fn run(case: &Case, lines: &mut String) -> Counts {
         Ok(found) => found,
         Err(e) => {
             let wrongly = if case.refused { "" } else { " (WRONGLY)" };
-            println!("| {} | | | | refused{wrongly}: {e} | {seconds:.1} |", case.name);
+            println!("| {} | | | | | | refused{wrongly}: {e} | {seconds:.1} |", case.name);
             return counts;
         }
     };
-    let (mut squares, mut known) = (0.0, 0.0);
+    let mut errors: [Vec<f64>; 3] = Default::default();
     for (b, bone) in found.bones.iter().enumerate() {
         let Some(error) = error(case, &found, b) else { continue };
         counts.add(error, case.wrong, bone.verdict > Verdict::Good);
-        squares += error * error;
-        known += 1.0;
+        let place = match case.shown[b] {
+            shown if shown >= SHOWN => 0,
+            shown if shown > 1.0 - SHOWN => 1,
+            _ => 2,
+        };
+        errors[place].push(error);
         let (name, verdict) = (&bone.name, bone.verdict.name());
         writeln!(
             lines,
-            "{}\t{name}\t{error:.3}\t{verdict}\t{}",
+            "{}\t{name}\t{:.2}\t{error:.3}\t{verdict}\t{}",
             case.name,
+            case.shown[b],
             bone.reasons.join("; ")
         )
         .unwrap();
     }
     println!(
-        "| {} | {:.2} | {} of {} | {} of {} | {}{} | {seconds:.1} |",
+        "| {} | {} | {} of {} | {} of {} | {}{} | {seconds:.1} |",
         case.name,
-        f64::sqrt(squares / known),
+        errors.each_ref().map(|errors| rms(errors)).join(" | "),
         counts.wrong_named,
         counts.wrong,
         counts.right_named,
