@@ -127,6 +127,7 @@ pub fn components<const N: usize>(vertex_count: usize, cells: &[[u32; N]]) -> Ve
 }
 
 /// For each vertex the first one at exactly the same place: seams of textures and STL files are one there.
+/// (Adding 0 makes -0 and 0 one place.)
 pub fn first_at_place(points: &[Vec3]) -> Vec<u32> {
     let mut first_at: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
     let place = |p: &Vec3| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());

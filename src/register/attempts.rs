@@ -1,5 +1,5 @@
-//! Several ways to a result: where the first one leaves bones in doubt others are tried, and the one
-//! that leaves the least doubt is kept.
+//! Several attempts: where the first one leaves bones in doubt others follow, and the one that leaves
+//! the least doubt is kept.
 
 use super::registration::Registration;
 use super::summary::Registered;
@@ -7,12 +7,12 @@ use super::target::Target;
 use super::verdict::Verdict;
 use crate::run::Run;
 
-/// Robust distance scale of the other ways, in median distances.
+/// Robust distance scale of the further attempts, in median distances.
 const NEAR_FACTOR: f64 = 4.0;
 
-/// A way through the levels.
+/// How the levels are gone through, and from where.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct Attempt {
     /// What the progress says before its stages.
     name: &'static str,
     /// Its part of the progress.
@@ -26,8 +26,8 @@ pub(super) struct Way {
     pub(super) start: usize,
 }
 
-impl Way {
-    /// The way that is tried first.
+impl Attempt {
+    /// The first one.
     pub(super) const PLAIN: Self = Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0 };
     /// The same to the mirrored target.
     pub(super) const MIRRORED: Self =
@@ -42,26 +42,31 @@ impl Way {
     const SECOND_START: Self =
         Self { name: "second start: ", from: 0.85, to: 1.0, start: 1, ..Self::NEAR };
 
-    /// Says that a stage begins at a share of this way.
+    /// Says that a stage begins at a share of this attempt.
     pub(super) fn enter(&self, run: &Run, stage: &str, share: f64) {
         let fraction = self.from + share * (self.to - self.from);
         run.enter(&format!("{}{stage}", self.name), fraction);
     }
 }
 
-/// The ways tried after the plain one, in order, and the share of the bones in doubt from which on.
-const WAYS: [(Way, f64); 2] = [(Way::NEAR, 0.0), (Way::SECOND_START, 0.5)];
+/// The attempts after the plain one, in order, and the share of the bones in doubt from which on.
+const FURTHER: [(Attempt, f64); 2] = [(Attempt::NEAR, 0.0), (Attempt::SECOND_START, 0.5)];
 
 impl Registration {
-    /// The result that leaves the least doubt, `found` or that of another way.
-    pub(super) fn best_of_ways(&self, found: Registered, target: &Target, run: &Run) -> Registered {
+    /// The result that leaves the least doubt, `found` or that of a further attempt.
+    pub(super) fn best_of_attempts(
+        &self,
+        found: Registered,
+        target: &Target,
+        run: &Run,
+    ) -> Registered {
         let mut best = found;
-        for (way, share) in WAYS.into_iter().take(self.options.other_ways) {
+        for (attempt, share) in FURTHER.into_iter().take(self.options.further_attempts) {
             let named = best.named_bones() as f64;
             if named == 0.0 || named < share * best.bones.len() as f64 || run.is_cancelled() {
                 break;
             }
-            let other = self.find(target, way, run).filter(|other| !other.cancelled);
+            let other = self.find(target, attempt, run).filter(|other| !other.cancelled);
             if let Some(other) = other.filter(|other| doubt(other) < doubt(&best)) {
                 best = other;
             }

@@ -2,10 +2,10 @@
 
 use super::areas::mean_edge;
 use super::bone_scales::ScaleFreedom;
-use super::correspond::PairRules;
 use super::elastic::Elastic;
 use super::fast_sums::FastSums;
 use super::options::Clustering;
+use super::pairs::PairRules;
 use super::registration::Registration;
 use super::sampled_clusters::SampledClusters;
 use crate::error::{Error, Result};

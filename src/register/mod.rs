@@ -23,6 +23,7 @@ pub mod joint_limits;
 mod levels;
 mod neighbours;
 pub mod options;
+mod pairs;
 mod penetration;
 mod pieces;
 mod plausible;

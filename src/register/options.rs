@@ -94,8 +94,8 @@ pub struct Options {
     pub seat_factor: f64,
     /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
-    /// Other ways that are tried where bones stay in doubt.
-    pub other_ways: usize,
+    /// Attempts after the plain one at most, where bones stay in doubt.
+    pub further_attempts: usize,
     /// The target is of this unit and this side of the body, whatever it looks like.
     pub as_is: bool,
     /// How far an image is searched to each side of a vertex, at the first and at the last level, as
@@ -129,7 +129,7 @@ impl Default for Options {
             pose_starts: vec![0.0],
             seat_factor: 5.0,
             align: true,
-            other_ways: 2,
+            further_attempts: 2,
             as_is: false,
             image_reach: [0.1, 0.025],
         }
@@ -148,7 +148,7 @@ impl Options {
             min_cosine: -1.0,
             taken_factor: 0.0,
             pair_spacing: 0.0,
-            other_ways: 0,
+            further_attempts: 0,
             ..Self::default()
         }
     }

@@ -1,6 +1,6 @@
 //! Targets that cannot be meant: in another unit, or of the other side of the body.
 
-use super::attempts::Way;
+use super::attempts::Attempt;
 use super::registration::Registration;
 use super::summary::Registered;
 use super::target::Target;
@@ -70,7 +70,7 @@ impl Registration {
         if 2 * named < count {
             return Ok(());
         }
-        let other = self.find(&target.mirrored(), Way::MIRRORED, run);
+        let other = self.find(&target.mirrored(), Attempt::MIRRORED, run);
         let Some(other) = other.filter(|other| !other.cancelled) else { return Ok(()) };
         if CLEARLY * other.named_bones() > named {
             return Ok(());

@@ -1,4 +1,4 @@
-//! What is done to a target's surface before it is used: turned outwards, evened out where it is noise.
+//! What is done to a target's surface before it is used: turned outwards, smoothed where it is noise.
 
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -8,7 +8,7 @@ use crate::mesh::normals::{area_vectors, unit_or_zero};
 /// Triangles agree with those around them from this mean cosine on. A bone's surface has .95 and more, one
 /// with noise as large as its edges .5.
 const AGREEMENT: f64 = 0.8;
-/// Rounds of evening out, at most.
+/// Rounds of smoothing, at most.
 const MOST_ROUNDS: usize = 12;
 
 /// A surface ready for the search.
@@ -17,7 +17,7 @@ pub(super) struct Prepared {
     /// Its triangles faced inwards.
     pub(super) turned: bool,
     /// It was noisy.
-    pub(super) evened_out: bool,
+    pub(super) smoothed: bool,
 }
 
 impl Prepared {
@@ -26,9 +26,11 @@ impl Prepared {
         let first = first_at_place(&mesh.points);
         let joined: Vec<[u32; 3]> =
             mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
-        let (points, evened_out) = evened_out(&mesh.points, &joined, &first);
-        let (mesh, turned) = facing_outwards(TriMesh { points, ..mesh }, &joined);
-        Self { mesh, turned, evened_out }
+        let steady = smoothed(&mesh.points, &joined, &first);
+        let smoothed = steady.is_some();
+        let mesh = TriMesh { points: steady.unwrap_or(mesh.points), ..mesh };
+        let (mesh, turned) = facing_outwards(mesh, &joined);
+        Self { mesh, turned, smoothed }
     }
 }
 
@@ -58,26 +60,26 @@ fn facing_outwards(mut mesh: TriMesh, joined: &[[u32; 3]]) -> (TriMesh, bool) {
     (mesh, volume < 0.0)
 }
 
-/// The points, evened out where triangles stand in all directions: vertices go towards the middle of
-/// their neighbours until triangles agree with those around them.
-fn evened_out(points: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> (Vec<Vec3>, bool) {
-    let mut points = points.to_vec();
-    if agreement(&points, triangles) > AGREEMENT {
-        return (points, false);
+/// The points smoothed: vertices go towards the mean of their neighbours until triangles agree with those
+/// around them. None where they do.
+fn smoothed(points: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> Option<Vec<Vec3>> {
+    if agreement(points, triangles) > AGREEMENT {
+        return None;
     }
     let neighbours = vertex_neighbours(points.len(), triangles);
+    let mut points = points.to_vec();
     for _ in 0..MOST_ROUNDS {
-        let towards_middle = |&v: &u32| {
+        let towards_mean = |&v: &u32| {
             let (own, near) = (points[v as usize], neighbours.of(v as usize));
             let sum: Vec3 = near.iter().map(|&n| points[n as usize]).sum();
             if near.is_empty() { own } else { (own + sum / near.len() as f64) / 2.0 }
         };
-        points = first.iter().map(towards_middle).collect();
+        points = first.iter().map(towards_mean).collect();
         if agreement(&points, triangles) > AGREEMENT {
             break;
         }
     }
-    (points, true)
+    Some(points)
 }
 
 /// How far triangles agree with those around them: the mean cosine of their normals.
@@ -115,10 +117,10 @@ mod tests {
     }
 
     #[test]
-    fn only_a_surface_of_noise_is_evened_out() {
+    fn only_a_surface_of_noise_is_smoothed() {
         let (points, triangles) = sphere(20, 40);
         let clean = TriMesh { points, triangles };
-        assert!(!Prepared::new(clean.clone()).evened_out);
+        assert!(!Prepared::new(clean.clone()).smoothed);
         let mut noise = Noise::new(3);
         let mut noisy = clean.clone();
         for point in &mut noisy.points {
@@ -129,7 +131,7 @@ mod tests {
             (squares / mesh.points.len() as f64).sqrt()
         };
         let prepared = Prepared::new(noisy.clone());
-        assert!(prepared.evened_out && !prepared.turned);
+        assert!(prepared.smoothed && !prepared.turned);
         assert!(off(&prepared.mesh) < 0.6 * off(&noisy), "{} {}", off(&prepared.mesh), off(&noisy));
     }
 }

@@ -7,11 +7,12 @@
 use std::time::Instant;
 
 use super::areas::vertex_areas;
-use super::attempts::Way;
+use super::attempts::Attempt;
 use super::bone_scales::BoneScales;
-use super::correspond::{Correspond, Correspondences, PairRules};
+use super::correspond::{Correspond, Correspondences};
 use super::levels::Level;
 use super::options::{Options, Schedule};
+use super::pairs::PairRules;
 use super::pieces::without_far_parts;
 use super::shape_model::ShapeModel;
 use super::skeleton::Skeleton;
@@ -127,7 +128,7 @@ impl Registration {
             self.refuse_other_unit(target)?;
         }
         let found = self
-            .find(target, Way::PLAIN, run)
+            .find(target, Attempt::PLAIN, run)
             .ok_or_else(|| Error::invalid("the template cannot be laid on the target"))?;
         if found.cancelled {
             return Ok(found);
@@ -135,13 +136,13 @@ impl Registration {
         if refuses {
             self.refuse_mirrored(&found, target, run)?;
         }
-        Ok(self.best_of_ways(found, target, run))
+        Ok(self.best_of_attempts(found, target, run))
     }
 
-    /// The loop; none where there is no such way.
-    pub(super) fn find(&self, target: &Target, way: Way, run: &Run) -> Option<Registered> {
+    /// The loop; none where there is no such start.
+    pub(super) fn find(&self, target: &Target, attempt: Attempt, run: &Run) -> Option<Registered> {
         let mut search_coarse = self.search(target, START_SPACING * self.diagonal);
-        let mut state = self.start(target, way, &mut search_coarse, run)?;
+        let mut state = self.start(target, attempt, &mut search_coarse, run)?;
         let near =
             without_far_parts(target, &state.points, &self.template.triangles, self.diagonal);
         let target = near.as_ref().unwrap_or(target);
@@ -154,16 +155,16 @@ impl Registration {
                 break;
             }
             let share = |k: usize| 0.15 + 0.8 * k as f64 / self.levels.len() as f64;
-            way.enter(run, &level.name(), share(k));
+            attempt.enter(run, &level.name(), share(k));
             let mut search =
                 search_coarse.resampled(&self.template.points, &self.areas, level.spacing);
             let most = self.options.max_iterations;
-            trace.push(self.run_level(level, way, &mut search, &mut state, run, most));
+            trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
             if k < REPAIRED_LEVELS && self.options.use_joints && target.image.is_none() {
-                self.repair(level, way, &mut search_coarse, &mut state, run);
+                self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
         }
-        way.enter(run, "joints and residuals", 0.95);
+        attempt.enter(run, "joints and residuals", 0.95);
         Some(self.finish(state, target, trace, run.is_cancelled()))
     }
 
@@ -174,14 +175,14 @@ impl Registration {
     pub(super) fn run_level(
         &self,
         level: &Level,
-        way: Way,
+        attempt: Attempt,
         search: &mut Correspond,
         state: &mut State,
         run: &Run,
         most_updates: usize,
     ) -> LevelTrace {
         let mut trace = LevelTrace { radius: level.radius, ..LevelTrace::default() };
-        let rules = PairRules { robust: level.rules.robust.or(way.robust), ..level.rules };
+        let rules = PairRules { robust: level.rules.robust.or(attempt.robust), ..level.rules };
         let started = Instant::now();
         let mut at_last_update = state.points.clone();
         let mut before_last = state.points.clone();

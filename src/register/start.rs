@@ -1,6 +1,6 @@
 //! Where the loop starts: the best of some poses, and other poses for branches that went wrong.
 
-use super::attempts::Way;
+use super::attempts::Attempt;
 use super::correspond::Correspond;
 use super::levels::Level;
 use super::pose_starts::{branches, towards_mid_range};
@@ -51,22 +51,22 @@ impl Registration {
     pub(super) fn start(
         &self,
         target: &Target,
-        way: Way,
+        attempt: Attempt,
         search: &mut Correspond,
         run: &Run,
     ) -> Option<State> {
-        way.enter(run, "rigid start", 0.0);
+        attempt.enter(run, "rigid start", 0.0);
         let mut poses = self.options.pose_starts.clone();
         if poses.is_empty() || !self.options.use_joints {
             poses = vec![0.0];
         }
         let mut best: Option<(f64, State)> = None;
         for &share in &poses {
-            let mut state = self.posed(target, way, share)?;
+            let mut state = self.posed(target, attempt, share)?;
             let mut distance = 0.0;
             if poses.len() > 1 {
                 distance = self
-                    .run_level(&self.levels[0], way, search, &mut state, run, START_UPDATES)
+                    .run_level(&self.levels[0], attempt, search, &mut state, run, START_UPDATES)
                     .rms_distance;
             }
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
@@ -81,7 +81,7 @@ impl Registration {
     pub(super) fn repair(
         &self,
         level: &Level,
-        way: Way,
+        attempt: Attempt,
         search: &mut Correspond,
         state: &mut State,
         run: &Run,
@@ -110,7 +110,7 @@ impl Registration {
                     );
                     other.reference.move_bones(&motions);
                     other.points.clone_from(&other.reference.points);
-                    self.run_level(level, way, search, &mut other, run, START_UPDATES);
+                    self.run_level(level, attempt, search, &mut other, run, START_UPDATES);
                     if let Some(misfit) = self.misfit(search, &other)
                         && misfit.clearly_better(&best, &marks)
                     {
@@ -144,15 +144,15 @@ impl Registration {
         rms.is_finite().then_some(Misfit { rms, of_bone })
     }
 
-    fn posed(&self, target: &Target, way: Way, share: f64) -> Option<State> {
+    fn posed(&self, target: &Target, attempt: Attempt, share: f64) -> Option<State> {
         let mut reference = self.template.clone();
         let all = vec![true; reference.bones.len()];
         let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
         reference.move_bones(&motions);
         if self.options.align && target.image.is_none() {
-            let motion = *rigid_starts(&reference, &self.areas, target).get(way.start)?;
+            let motion = *rigid_starts(&reference, &self.areas, target).get(attempt.start)?;
             reference.move_bones(&vec![motion; reference.bones.len()]);
-        } else if way.start > 0 {
+        } else if attempt.start > 0 {
             return None;
         }
         let scales = vec![Vec3::repeat(1.0); reference.bones.len()];

@@ -14,8 +14,8 @@ use crate::volume::Volume;
 pub struct Target {
     /// Some surface came with its normals inwards and was turned.
     pub(super) turned: bool,
-    /// Some surface was so noisy that it was evened out.
-    pub(super) evened_out: bool,
+    /// Some surface was so noisy that it was smoothed.
+    pub(super) smoothed: bool,
     /// Share of its area that lies far from all bones and was left out.
     pub(super) left_out: f64,
     /// One surface for all bones, or one (or none) for each bone.
@@ -27,21 +27,21 @@ pub struct Target {
 
 impl Target {
     /// One surface of the whole skeleton; bones may be fused. It may be open and noisy. A surface whose
-    /// triangles face inwards is turned, a very noisy one evened out.
+    /// triangles face inwards is turned, a very noisy one smoothed.
     pub fn whole(surface: TriMesh) -> Result<Self> {
         if surface.triangles.is_empty() {
             return Err(Error::invalid("the target surface has no triangles"));
         }
-        let Prepared { mesh, turned, evened_out } = Prepared::new(surface);
+        let Prepared { mesh, turned, smoothed } = Prepared::new(surface);
         let surfaces = vec![Some(SearchedSurface::new(mesh))];
-        Ok(Self { turned, evened_out, left_out: 0.0, surfaces, labelled: false, image: None })
+        Ok(Self { turned, smoothed, left_out: 0.0, surfaces, labelled: false, image: None })
     }
 
     /// A surface for each named bone; bones that are not named have no data of their own and follow
     /// their joints.
     pub fn per_bone(skeleton: &Skeleton, surfaces: Vec<(String, TriMesh)>) -> Result<Self> {
         let mut of_bone: Vec<Option<SearchedSurface>> = vec![None; skeleton.bones.len()];
-        let (mut turned, mut evened_out) = (false, false);
+        let (mut turned, mut smoothed) = (false, false);
         for (name, mesh) in surfaces {
             let b = skeleton.bone_index(&name).ok_or_else(|| {
                 Error::invalid(format!(
@@ -55,7 +55,7 @@ impl Target {
             }
             let prepared = Prepared::new(mesh);
             turned |= prepared.turned;
-            evened_out |= prepared.evened_out;
+            smoothed |= prepared.smoothed;
             if of_bone[b].replace(SearchedSurface::new(prepared.mesh)).is_some() {
                 return Err(Error::invalid(format!("the target gives bone {name} twice")));
             }
@@ -64,7 +64,7 @@ impl Target {
             return Err(Error::invalid("the target names no bone of the skeleton"));
         }
         let surfaces = of_bone;
-        Ok(Self { turned, evened_out, left_out: 0.0, surfaces, labelled: true, image: None })
+        Ok(Self { turned, smoothed, left_out: 0.0, surfaces, labelled: true, image: None })
     }
 
     /// An image of the person, in which the template already lies roughly on its bones (within the
@@ -74,7 +74,7 @@ impl Target {
         let image = Some(ImageTarget::new(skeleton, volume, appearance)?);
         Ok(Self {
             turned: false,
-            evened_out: false,
+            smoothed: false,
             left_out: 0.0,
             surfaces: Vec::new(),
             labelled: false,
@@ -93,7 +93,7 @@ impl Target {
         if self.turned {
             notes.push("the target's triangles face inwards; they were turned".to_owned());
         }
-        if self.evened_out {
+        if self.smoothed {
             notes.push(
                 "the target is so noisy that its triangles face in all directions; it was smoothed"
                     .to_owned(),

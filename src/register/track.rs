@@ -4,7 +4,7 @@
 //! template, the stack it was made from is the reference image; each frame starts from the pose of
 //! the one before.
 
-use super::attempts::Way;
+use super::attempts::Attempt;
 use super::bone_scales::ScaleFreedom;
 use super::options::{Levels, Options};
 use super::registration::{Registration, State};
@@ -54,7 +54,7 @@ impl Registration {
             let mut search = self.search(frame, level.spacing);
             trace.push(self.run_level(
                 level,
-                Way::PLAIN,
+                Attempt::PLAIN,
                 &mut search,
                 &mut state,
                 run,

@@ -1,9 +1,7 @@
 //! A surface as a solid sees it: each place one vertex, no empty triangles, nothing unused.
 
-use std::collections::HashMap;
-
-use crate::math::Vec3;
 use crate::mesh::TriMesh;
+use crate::mesh::adjacency::first_at_place;
 
 /// The welded surface and where it came from.
 pub struct Welded {
@@ -16,18 +14,18 @@ pub struct Welded {
 
 impl Welded {
     pub fn new(surface: &TriMesh) -> Self {
-        let mut place = HashMap::with_capacity(surface.points.len());
+        let first = first_at_place(&surface.points);
+        let mut number = vec![None; surface.points.len()];
         let mut mesh = TriMesh::default();
         let mut vertex_of = vec![None; surface.points.len()];
         for triangle in &surface.triangles {
-            let [a, b, c] = triangle.map(|v| key(&surface.points[v as usize]));
+            let [a, b, c] = triangle.map(|v| first[v as usize]);
             if a == b || b == c || c == a {
                 continue;
             }
             let welded = triangle.map(|v| {
-                let p = surface.points[v as usize];
-                let vertex = *place.entry(key(&p)).or_insert_with(|| {
-                    mesh.points.push(p);
+                let vertex = *number[first[v as usize] as usize].get_or_insert_with(|| {
+                    mesh.points.push(surface.points[v as usize]);
                     mesh.points.len() as u32 - 1
                 });
                 vertex_of[v as usize] = Some(vertex);
@@ -39,15 +37,11 @@ impl Welded {
     }
 }
 
-/// Adding 0 makes -0 and 0 one place.
-fn key(p: &Vec3) -> [u64; 3] {
-    [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::locate::test_shapes::sphere;
+    use crate::math::Vec3;
     use crate::mesh::SurfaceCheck;
 
     #[test]
