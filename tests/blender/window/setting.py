@@ -4,7 +4,7 @@ from pathlib import Path
 
 import bpy
 import numpy
-from events import has_result, in_view, part, scene, template
+from events import has_result, in_view, part, pause, running, scene, template, undo, until
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
@@ -62,6 +62,23 @@ def with_result():
         ob.moulage.tet_count, ob.moulage.max_iterations = 2000, 20
         bpy.ops.moulage.reshape("EXEC_DEFAULT")
     return template()
+
+
+def stopped_run(start, stop):
+    """A run that is stopped before its end. One that ends by itself before it is reached is followed by one of twice
+    the tets: machines differ."""
+    for tet_count in (10000, 20000, 40000, 80000):
+        template().moulage.tet_count, template().moulage.max_iterations = tet_count, 0
+        bpy.ops.ed.undo_push(message="a long run")
+        yield from start()
+        yield from until(running, f"the run of {tet_count} tets")
+        yield from stop()
+        yield from until(lambda: not running(), "the end after it was stopped")
+        if template().moulage.result.ending.startswith("Stopped"):
+            return
+        yield from undo()
+        yield from pause()
+    raise AssertionError(template().moulage.result.ending)
 
 
 def surface_of_result():

@@ -4,7 +4,7 @@ import os
 
 import bpy
 from events import has_result, pause, picture, press, running, search, select, template, undo, until
-from setting import with_landmarks
+from setting import stopped_run, with_landmarks
 from sidebar import click_button, open_tab, show_panels
 
 
@@ -13,10 +13,7 @@ def session():
     ob.hide_set(False)
     yield from open_tab()
     yield from show_panels("Reshape")
-    # Long enough to be interrupted on any machine.
-    ob.moulage.tet_count, ob.moulage.max_iterations = 15000, 100
-    bpy.ops.ed.undo_push(message="before the interruptions")
-    yield from stop_by_button()
+    yield from stopped_run(lambda: search("Moulage Reshape"), stop_by_button)
     yield from delete_template()
     yield from disable()
 
@@ -27,11 +24,13 @@ def start():
 
 
 def stop_by_button():
-    yield from start()
     yield from until(has_result, "the live view")
-    yield from click_button("moulage.stop")
-    yield from until(lambda: not running(), "the end after Stop")
-    assert template().moulage.result.ending.startswith("Stopped"), template().moulage.result.ending
+    try:
+        yield from click_button("moulage.stop")
+    except AssertionError:
+        # Without a run there is no such button.
+        if running():
+            raise
 
 
 def delete_template():

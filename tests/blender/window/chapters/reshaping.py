@@ -3,7 +3,7 @@
 import bpy
 import numpy
 from events import has_result, look_at, part, picture, press, running, template, undo, until
-from setting import with_landmarks
+from setting import stopped_run, with_landmarks
 from sidebar import click_button, open_tab, show_panels, type_into
 
 
@@ -13,7 +13,11 @@ def session():
     yield from show_panels("Markers", "Landmarks", "Reshape", "Result")
     yield from look_at([ob])
     bpy.ops.ed.undo_push(message="ready")
-    yield from stop_by_esc()
+    yield from stopped_run(lambda: click_button("moulage.reshape"), stop_by_esc)
+    # Esc has kept the best; undo takes it away.
+    yield from undo()
+    yield from until(lambda: not has_result(), "undo")
+    assert template().moulage.result.key == ""
     yield from whole_run()
     yield from slider()
     yield from heat_maps()
@@ -24,19 +28,9 @@ def session():
 
 
 def stop_by_esc():
-    """Esc keeps the best; undo takes it away. The run is long enough to be stopped on any machine."""
-    template().moulage.tet_count, template().moulage.max_iterations = 10000, 0
-    bpy.ops.ed.undo_push(message="a long run")
-    yield from click_button("moulage.reshape")
-    yield from until(running, "the run")
     yield from until(has_moved, "a shape in the live view")
     yield from picture("running")
     press("ESC")
-    yield from until(lambda: not running(), "the end after Esc")
-    assert template().moulage.result.ending.startswith("Stopped"), template().moulage.result.ending
-    yield from undo()
-    yield from until(lambda: not has_result(), "undo")
-    assert template().moulage.result.key == ""
 
 
 def has_moved():
