@@ -9,7 +9,7 @@ use dicom_pixeldata::PixelDecoder;
 
 use super::{dicom_lengths, read_bytes};
 use crate::error::{Error, Result};
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, median};
 use crate::volume::{MAX_VOXELS, Volume};
 
 const SERIES: Tag = Tag(0x0020, 0x000e);
@@ -327,9 +327,7 @@ fn stack(mut slices: Vec<Slice>, folder: &Path, notes: &mut Vec<String>) -> Resu
 fn check_steps(slices: &[Slice], normal: &Vec3, mean: f64) -> Result<(), String> {
     let height = |s: &Slice| s.position.dot(normal);
     let steps: Vec<f64> = slices.windows(2).map(|s| height(&s[1]) - height(&s[0])).collect();
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(mean);
+    let usual = median(steps.iter().copied()).unwrap_or(mean);
     let name = |s: &Slice| s.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     for (k, &step) in steps.iter().enumerate() {
         let (a, b) = (name(&slices[k]), name(&slices[k + 1]));

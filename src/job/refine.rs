@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::measure::Spread;
 use crate::error::{Error, Result};
 use crate::locate::NearestPoints;
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 use crate::mesh::adjacency::vertex_neighbours;
 use crate::mesh::{TriMesh, adjacency};
 use crate::reshape::Marker;
@@ -130,12 +130,8 @@ fn expected(own: &Profiles, result: &TriMesh, models: &[usize]) -> Vec<f32> {
 
 /// The middle one of the neighbours' shifts; none where fewer than half of them have one.
 fn middle(shifts: &[Option<f64>], around: &[u32]) -> Option<f64> {
-    let mut known: Vec<f64> = around.iter().filter_map(|&v| shifts[v as usize]).collect();
-    if 2 * known.len() < around.len() || known.is_empty() {
-        return None;
-    }
-    known.sort_by(f64::total_cmp);
-    Some(known[known.len() / 2])
+    let known: Vec<f64> = around.iter().filter_map(|&v| shifts[v as usize]).collect();
+    if 2 * known.len() < around.len() { None } else { median(known) }
 }
 
 fn mean_edge(mesh: &TriMesh) -> f64 {

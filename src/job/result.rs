@@ -5,7 +5,7 @@ use super::measure::{Spread, marker_distances, pair_distances, principal_stretch
 use super::remesh::Course;
 use super::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
 use crate::error::Result;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, median};
 use crate::mesh::quality::dihedral_angles;
 use crate::mesh::{TetMesh, TriMesh, signed_volume};
 use crate::reshape::{Options, Stop};
@@ -152,10 +152,8 @@ fn ending(stop: Stop) -> (Ending, &'static str) {
 }
 
 fn pair_lines(pairs: &[Pair], distances: &[(f64, f64)], tolerance: f64) -> Vec<PairLine> {
-    let mut sorted: Vec<f64> = distances.iter().map(|d| d.1).collect();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    let limit = SUSPECT * tolerance.max(median);
+    let middle = median(distances.iter().map(|d| d.1)).unwrap_or(0.0);
+    let limit = SUSPECT * tolerance.max(middle);
     pairs
         .iter()
         .zip(distances)

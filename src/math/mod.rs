@@ -1,10 +1,12 @@
-//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check, polylines.
+//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check, polylines, median.
 
 pub mod derivative_check;
+pub mod median;
 pub mod polyline;
 pub mod svd3;
 pub mod symmetric3;
 
+pub use median::median;
 pub use svd3::{SignedSvd, nearest_rotation, signed_svd};
 pub use symmetric3::Sym3;
 

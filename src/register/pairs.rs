@@ -8,7 +8,7 @@ use super::image::ImageTarget;
 use super::samples::Samples;
 use super::surface::SearchedSurface;
 use crate::locate::{ClosestPoints, SurfacePoint};
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 use crate::mesh::normals::unit_or_zero;
 
 /// How pairs are judged.
@@ -222,11 +222,6 @@ impl Pair {
 }
 
 pub(super) fn median_distance(pairs: &[Pair], min_cosine: f64) -> f64 {
-    let mut distances: Vec<f64> =
-        pairs.iter().filter(|p| p.cosine >= min_cosine).map(|p| p.pull.norm()).collect();
-    if distances.is_empty() {
-        return 0.0;
-    }
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    let trusted = pairs.iter().filter(|p| p.cosine >= min_cosine);
+    median(trusted.map(|p| p.pull.norm())).unwrap_or(0.0)
 }

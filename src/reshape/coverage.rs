@@ -7,7 +7,7 @@
 
 use crate::fem::MaterialPoint;
 use crate::locate::NearestPoints;
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 use crate::mesh::bounding_box;
 
 /// Template points that are watched.
@@ -115,7 +115,7 @@ fn spacing(markers: &[Vec3]) -> f64 {
         *distances.select_nth_unstable_by(place, f64::total_cmp).1
     };
     let every = markers.len().div_ceil(SPACING_SAMPLES);
-    super::evidence::median(&markers.iter().step_by(every).map(to_neighbour).collect::<Vec<_>>())
+    median(markers.iter().step_by(every).map(to_neighbour)).unwrap_or(0.0)
 }
 
 /// Points spread evenly over the surface: each next one is farthest from those before.

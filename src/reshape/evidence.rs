@@ -2,7 +2,7 @@
 
 use crate::fem::MaterialPoint;
 use crate::locate::SurfacePoint;
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 use crate::mesh::TriMesh;
 
 use super::rows::Rows;
@@ -138,7 +138,7 @@ impl Weights {
 
 /// The standard deviation of residuals, never below their tolerance.
 pub fn noise(residuals: &[f64], tolerance: f64) -> f64 {
-    tolerance.max(SIGMA_PER_MEDIAN * median(residuals))
+    tolerance.max(SIGMA_PER_MEDIAN * median(residuals.iter().copied()).unwrap_or(0.0))
 }
 
 /// Pairs that are taken at their word.
@@ -236,14 +236,4 @@ fn tangents(n: &Vec3) -> (Vec3, Vec3) {
     let axis = if n.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
     let t = n.cross(&axis).normalize();
     (t, n.cross(&t))
-}
-
-/// The median size; 0 without values.
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    let middle = sorted.len() / 2;
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -14,7 +14,7 @@ use super::scene::{Body, Obstacle, Skin};
 use crate::error::{Error, Result};
 use crate::fem::{Spring, solve_vectors};
 use crate::material::{InversionBarrier, StableNeoHookean};
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 use crate::mesh::TriMesh;
 use crate::mesh::adjacency::{Lists, edges, vertex_neighbours};
 use crate::run::Run;
@@ -169,12 +169,10 @@ impl<'a> Solver<'a> {
             tets.extend(body.tets.tets.iter().map(|t| t.map(|v| first + v)));
             places.extend_from_slice(&body.tets.points);
         }
-        let mut diagonals: Vec<f64> = bodies
+        let diagonals = bodies
             .iter()
-            .map(|b| TriMesh { points: b.tets.points.clone(), triangles: Vec::new() }.diagonal())
-            .collect();
-        diagonals.sort_by(f64::total_cmp);
-        let gap = options.gap.unwrap_or(GAP * diagonals[diagonals.len() / 2]);
+            .map(|b| TriMesh { points: b.tets.points.clone(), triangles: Vec::new() }.diagonal());
+        let gap = options.gap.unwrap_or(GAP * median(diagonals).unwrap_or(0.0));
         let x = places.clone();
         let mean_edge = mean_edge(bodies);
         let springs = marker_springs(bodies, obstacles, &first_vertex, mean_edge);

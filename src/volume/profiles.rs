@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Volume;
 use crate::error::{Error, Result};
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 
 /// A profile whose values vary less than this share of the usual variation shows nothing.
 const FLAT: f64 = 0.1;
@@ -128,10 +128,8 @@ impl Profiles {
 
     /// The middle one of the profiles' standard deviations.
     fn usual_deviation(&self) -> f64 {
-        let mut all: Vec<f64> =
-            (0..self.len()).filter_map(|i| centred(self.of(i))).map(|(_, d)| d).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(0.0)
+        let all = (0..self.len()).filter_map(|i| centred(self.of(i))).map(|(_, d)| d);
+        median(all).unwrap_or(0.0)
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::locate::ClosestPoints;
+use crate::math::median;
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 use crate::register::samples::Samples;
 use crate::register::skeleton::Skeleton;
@@ -79,7 +80,7 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
     let sights: Vec<_> = looks.iter().map(|look| look.sights(skeleton, areas, &bone_of)).collect();
     let diagonal = crate::mesh::bounding_box(&skeleton.points).map_or(0.0, |(a, b)| (b - a).norm());
     let facing = sights.iter().flat_map(|(_, back)| back).filter(|s| s.facing);
-    let middle = median(facing.map(|s| s.distance).collect());
+    let middle = median(facing.map(|s| s.distance)).unwrap_or(0.0);
     let tolerance =
         (NOISE_FACTOR * middle).clamp(SMALLEST_TOLERANCE * diagonal, LARGEST_TOLERANCE * diagonal);
     let lies_on = |s: &Sight| s.facing && s.distance <= tolerance;
@@ -198,15 +199,6 @@ impl Look<'_> {
         });
         (forward.collect(), backward.collect())
     }
-}
-
-/// The middle value; 0 of none.
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]
