@@ -2,6 +2,7 @@
 //! the least doubt is kept.
 
 use super::registration::Registration;
+use super::skeleton::Skeleton;
 use super::summary::Registered;
 use super::target::Target;
 use super::verdict::Verdict;
@@ -58,6 +59,7 @@ impl Registration {
         &self,
         found: Registered,
         target: &Target,
+        starts: &[Vec<Skeleton>],
         run: &Run,
     ) -> Registered {
         let mut best = found;
@@ -66,7 +68,7 @@ impl Registration {
             if named == 0.0 || named < share * best.bones.len() as f64 || run.is_cancelled() {
                 break;
             }
-            let other = self.find(target, attempt, run).filter(|other| !other.cancelled);
+            let other = self.find(target, starts, attempt, run).filter(|other| !other.cancelled);
             if let Some(other) = other.filter(|other| doubt(other) < doubt(&best)) {
                 best = other;
             }

@@ -5,7 +5,7 @@ use super::registration::Registration;
 use super::summary::Registered;
 use super::target::Target;
 use crate::error::{Error, Result};
-use crate::math::Vec3;
+use crate::math::{Vec3, median};
 use crate::run::Run;
 
 /// A target larger or smaller than the template by more than this factor is in another unit.
@@ -48,14 +48,13 @@ impl Registration {
             let own = &template.points[template.bones[b].vertices.clone()];
             Some(middle_reach(&surface.mesh.points) / middle_reach(own))
         };
-        let mut ratios: Vec<f64> = if target.labelled {
+        let ratios: Vec<f64> = if target.labelled {
             (0..template.bones.len()).filter_map(of_bones).collect()
         } else {
             let surface = target.surfaces.first()?.as_ref()?;
             vec![middle_reach(&surface.mesh.points) / middle_reach(&template.points)]
         };
-        ratios.sort_by(f64::total_cmp);
-        ratios.get(ratios.len() / 2).copied()
+        median(ratios)
     }
 
     /// Refuses the target where its mirror image is the better one. A target that fits is not mirrored,
@@ -70,7 +69,8 @@ impl Registration {
         if 2 * named < count {
             return Ok(());
         }
-        let other = self.find(&target.mirrored(), Attempt::MIRRORED, run);
+        let mirrored = target.mirrored();
+        let other = self.find(&mirrored, &self.starts(&mirrored), Attempt::MIRRORED, run);
         let Some(other) = other.filter(|other| !other.cancelled) else { return Ok(()) };
         if CLEARLY * other.named_bones() > named {
             return Ok(());
@@ -84,10 +84,6 @@ impl Registration {
 
 /// Middle distance from the middle point: a size that a few strange points do not change.
 fn middle_reach(points: &[Vec3]) -> f64 {
-    let middle = |mut values: Vec<f64>| {
-        let at = values.len() / 2;
-        *values.select_nth_unstable_by(at, f64::total_cmp).1
-    };
-    let centre = Vec3::from_fn(|k, _| middle(points.iter().map(|p| p[k]).collect()));
-    middle(points.iter().map(|p| (p - centre).norm()).collect())
+    let centre = Vec3::from_fn(|k, _| median(points.iter().map(|p| p[k])).unwrap_or(0.0));
+    median(points.iter().map(|p| (p - centre).norm())).unwrap_or(0.0)
 }

@@ -61,6 +61,14 @@ pub(super) struct State {
     pub(super) coefficients: Vec<f64>,
 }
 
+impl State {
+    /// Everything where `reference` lies, of its size.
+    pub(super) fn at(reference: Skeleton) -> Self {
+        let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
+        Self { points: reference.points.clone(), reference, scales, coefficients: Vec::new() }
+    }
+}
+
 /// Registers `template` to `target` in one call.
 pub fn register(
     template: &Skeleton,
@@ -127,8 +135,10 @@ impl Registration {
         if refuses {
             self.refuse_other_unit(target)?;
         }
+        Attempt::PLAIN.enter(run, "rigid start", 0.0);
+        let starts = self.starts(target);
         let found = self
-            .find(target, Attempt::PLAIN, run)
+            .find(target, &starts, Attempt::PLAIN, run)
             .ok_or_else(|| Error::invalid("the template cannot be laid on the target"))?;
         if found.cancelled {
             return Ok(found);
@@ -136,13 +146,19 @@ impl Registration {
         if refuses {
             self.refuse_mirrored(&found, target, run)?;
         }
-        Ok(self.best_of_attempts(found, target, run))
+        Ok(self.best_of_attempts(found, target, &starts, run))
     }
 
-    /// The loop; none where there is no such start.
-    pub(super) fn find(&self, target: &Target, attempt: Attempt, run: &Run) -> Option<Registered> {
+    /// The loop, from one of `starts`; none where there is no such start.
+    pub(super) fn find(
+        &self,
+        target: &Target,
+        starts: &[Vec<Skeleton>],
+        attempt: Attempt,
+        run: &Run,
+    ) -> Option<Registered> {
         let mut search_coarse = self.search(target, START_SPACING * self.diagonal);
-        let mut state = self.start(target, attempt, &mut search_coarse, run)?;
+        let mut state = self.start(starts, attempt, &mut search_coarse, run)?;
         let near =
             without_far_parts(target, &state.points, &self.template.triangles, self.diagonal);
         let target = near.as_ref().unwrap_or(target);

@@ -6,8 +6,9 @@ use super::levels::Level;
 use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_starts;
 use super::registration::{Registration, State};
+use super::skeleton::Skeleton;
 use super::target::Target;
-use crate::math::Vec3;
+use crate::math::median;
 use crate::run::Run;
 
 /// Updates that tell a good starting pose from a bad one.
@@ -46,25 +47,47 @@ impl Misfit {
 }
 
 impl Registration {
+    /// The template in each starting pose, laid on the target in some ways, best first.
+    pub(super) fn starts(&self, target: &Target) -> Vec<Vec<Skeleton>> {
+        let mut poses = self.options.pose_starts.clone();
+        if poses.is_empty() || !self.options.use_joints {
+            poses = vec![0.0];
+        }
+        poses.iter().map(|&share| self.placed(target, share)).collect()
+    }
+
+    /// The template in one pose, laid on the target.
+    fn placed(&self, target: &Target, share: f64) -> Vec<Skeleton> {
+        let mut posed = self.template.clone();
+        let all = vec![true; posed.bones.len()];
+        let motions = towards_mid_range(&self.template, &posed, self.root, &all, share);
+        posed.move_bones(&motions);
+        if !self.options.align || target.image.is_some() {
+            return vec![posed];
+        }
+        let moved = |motion| {
+            let mut placed = posed.clone();
+            placed.move_bones(&vec![motion; posed.bones.len()]);
+            placed
+        };
+        rigid_starts(&posed, &self.areas, target).into_iter().map(moved).collect()
+    }
+
     /// Tries the starting poses with rigid bones, keeps the one that comes nearest. None where there is
     /// no such start.
     pub(super) fn start(
         &self,
-        target: &Target,
+        starts: &[Vec<Skeleton>],
         attempt: Attempt,
         search: &mut Correspond,
         run: &Run,
     ) -> Option<State> {
         attempt.enter(run, "rigid start", 0.0);
-        let mut poses = self.options.pose_starts.clone();
-        if poses.is_empty() || !self.options.use_joints {
-            poses = vec![0.0];
-        }
         let mut best: Option<(f64, State)> = None;
-        for &share in &poses {
-            let mut state = self.posed(target, attempt, share)?;
+        for placed in starts {
+            let mut state = State::at(placed.get(attempt.start)?.clone());
             let mut distance = 0.0;
-            if poses.len() > 1 {
+            if starts.len() > 1 {
                 distance = self
                     .run_level(&self.levels[0], attempt, search, &mut state, run, START_UPDATES)
                     .rms_distance;
@@ -127,10 +150,8 @@ impl Registration {
 
     /// Bones whose pairs are much farther than those of the middle bone, and far in themselves.
     fn badly_fitted(&self, misfit: &Misfit) -> Vec<bool> {
-        let mut sorted: Vec<f64> =
-            misfit.of_bone.iter().copied().filter(|r| r.is_finite()).collect();
-        sorted.sort_by(f64::total_cmp);
-        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let known = misfit.of_bone.iter().copied().filter(|r| r.is_finite());
+        let middle = median(known).unwrap_or(f64::INFINITY);
         let far = (BAD_FIT * middle).max(BAD_DISTANCE * self.diagonal);
         misfit.of_bone.iter().map(|&r| r > far).collect()
     }
@@ -142,21 +163,5 @@ impl Registration {
             self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
         let rms = pairs.rms_distance;
         rms.is_finite().then_some(Misfit { rms, of_bone })
-    }
-
-    fn posed(&self, target: &Target, attempt: Attempt, share: f64) -> Option<State> {
-        let mut reference = self.template.clone();
-        let all = vec![true; reference.bones.len()];
-        let motions = towards_mid_range(&self.template, &reference, self.root, &all, share);
-        reference.move_bones(&motions);
-        if self.options.align && target.image.is_none() {
-            let motion = *rigid_starts(&reference, &self.areas, target).get(attempt.start)?;
-            reference.move_bones(&vec![motion; reference.bones.len()]);
-        } else if attempt.start > 0 {
-            return None;
-        }
-        let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
-        let points = reference.points.clone();
-        Some(State { points, reference, scales, coefficients: Vec::new() })
     }
 }

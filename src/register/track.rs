@@ -12,7 +12,6 @@ use super::skeleton::Skeleton;
 use super::summary::Registered;
 use super::target::Target;
 use crate::error::{Error, Result};
-use crate::math::Vec3;
 use crate::run::Run;
 
 /// Passes with rigid bones, each searching a shorter way.
@@ -45,10 +44,7 @@ impl Registration {
         if from.points.len() != self.template.points.len() {
             return Err(Error::invalid("the starting pose is of another skeleton"));
         }
-        let scales = vec![Vec3::repeat(1.0); from.bones.len()];
-        let reference = from.clone();
-        let points = from.points.clone();
-        let mut state = State { reference, points, scales, coefficients: Vec::new() };
+        let mut state = State::at(from.clone());
         let mut trace = Vec::new();
         for level in &self.levels {
             let mut search = self.search(frame, level.spacing);
