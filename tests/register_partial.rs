@@ -6,11 +6,9 @@ mod hands;
 
 use std::path::Path;
 
-use hands::{Noise, vertex_error};
+use hands::{damage, vertex_error};
 use moulage::io::read_surface;
 use moulage::locate::ClosestPoints;
-use moulage::math::Vec3;
-use moulage::mesh::bounding_box;
 use moulage::register::{Options, Registered, Target, Verdict, register};
 use moulage::{Run, TriMesh};
 
@@ -31,16 +29,9 @@ fn error(found: &Registered, b: usize, truth: &TriMesh) -> f64 {
 }
 
 #[test]
-fn a_hand_cut_off_behind_its_knuckles_is_found_as_far_as_it_is_seen() {
+fn a_hand_cut_off_across_its_fingers_is_found_as_far_as_it_is_seen() {
     let truth = hand();
-    // From the wrist to the finger tips: the way of the largest extent.
-    let (low, high) = bounding_box(&truth.points).unwrap();
-    let along = |p: &Vec3| p[(high - low).imax()];
-    let mut heights: Vec<f64> = truth.points.iter().map(along).collect();
-    heights.sort_by(f64::total_cmp);
-    let cut = heights[2 * heights.len() / 3];
-    let mut scan = truth.clone();
-    scan.triangles.retain(|t| t.iter().all(|&v| along(&truth.points[v as usize]) < cut));
+    let scan = damage::cut(&truth, 0.33, true);
     let search = ClosestPoints::new(&scan.points, &scan.triangles);
     let found = found(scan);
     let (mut whole, mut gone) = (0, 0);
@@ -64,48 +55,15 @@ fn a_hand_cut_off_behind_its_knuckles_is_found_as_far_as_it_is_seen() {
 #[test]
 fn balls_in_the_scan_draw_no_bone_away() {
     let truth = hand();
-    let mut scan = truth.clone();
-    let mut noise = Noise(11);
-    for _ in 0..10 {
-        let at = f64::midpoint(noise.next(), 1.0) * truth.points.len() as f64;
-        let ball = ball(truth.points[at as usize], 8.0);
-        let first = scan.points.len() as u32;
-        scan.points.extend(ball.points);
-        scan.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
-    }
-    let found = found(scan);
+    let found = found(damage::blobs(&truth, 10, 8.0));
     let error = vertex_error(&found.skeleton.points, &truth.points);
     assert!(error < 0.3, "{error}");
-}
-
-/// A ball of 16 rings.
-fn ball(centre: Vec3, radius: f64) -> TriMesh {
-    let mut mesh = TriMesh::default();
-    for i in 0..=16_u32 {
-        for j in 0..32_u32 {
-            let polar = std::f64::consts::PI * f64::from(i) / 16.0;
-            let turn = std::f64::consts::TAU * f64::from(j) / 32.0;
-            let out = Vec3::new(polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos());
-            mesh.points.push(centre + radius * out);
-            if i < 16 {
-                let [a, b] = [i * 32 + j, i * 32 + (j + 1) % 32];
-                mesh.triangles.extend([[a, a + 32, b + 32], [a, b + 32, b]]);
-            }
-        }
-    }
-    mesh
 }
 
 #[test]
 fn noise_as_large_as_the_triangles_is_smoothed_and_said() {
     let truth = hand();
-    let mut noise = Noise(7);
-    let mut scan = truth.clone();
-    for point in &mut scan.points {
-        // The mean of three values from -1 to 1, times 3: near enough to a normal distribution.
-        *point += noise.vector() + noise.vector() + noise.vector();
-    }
-    let found = found(scan);
+    let found = found(damage::noisy(&truth, 1.0));
     let error = vertex_error(&found.skeleton.points, &truth.points);
     assert!(error < 0.7, "{error}");
     assert!(found.notes.iter().any(|note| note.contains("smoothed")), "{:?}", found.notes);

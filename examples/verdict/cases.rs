@@ -11,8 +11,8 @@ use moulage::register::{Skeleton, Target};
 use moulage::volume::label_surface;
 use nalgebra::{Isometry3, Point3};
 
-use super::damage::{self, ball, joined, mapped};
 use super::hands;
+use super::hands::damage::{self, ball, joined, mapped};
 
 /// The made-up hands, by the seed of their sizes and angles.
 const SCANS: [u64; 6] = [1, 2, 3, 4, 5, 6];
@@ -51,13 +51,13 @@ struct Person {
 }
 
 /// Target within this distance of a true place shows it, mm: more than the largest noise.
-const SHOWN: f64 = 2.5;
+const SHOWN_WITHIN: f64 = 2.5;
 
 impl Truth {
     /// The share of its places that a surface shows.
     fn shown_by(&self, surface: &ClosestPoints) -> f64 {
         let (Self::Vertices(points) | Self::Surface(TriMesh { points, .. })) = self;
-        let shown = points.iter().filter(|p| surface.closest_within(p, SHOWN).is_some());
+        let shown = points.iter().filter(|p| surface.closest_within(p, SHOWN_WITHIN).is_some());
         shown.count() as f64 / points.len() as f64
     }
 }

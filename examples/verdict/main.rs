@@ -8,7 +8,6 @@
 #![allow(clippy::print_stdout, clippy::panic, clippy::unwrap_used)]
 
 mod cases;
-mod damage;
 #[path = "../../tests/hands/mod.rs"]
 mod hands;
 

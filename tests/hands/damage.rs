@@ -4,7 +4,7 @@ use moulage::TriMesh;
 use moulage::math::Vec3;
 use moulage::mesh::normals::area_vectors;
 
-use super::hands::Noise;
+use super::Noise;
 
 /// Near enough to a normal distribution of deviation 1.
 fn normal(noise: &mut Noise) -> f64 {

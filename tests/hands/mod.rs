@@ -1,5 +1,7 @@
-//! Other persons' hands, made from the example's template: sizes, bumps and joint angles are known.
+//! Other persons' hands, made from the example's template: sizes, bumps and joint angles are known. What happens to scans of them.
 #![allow(dead_code, clippy::unwrap_used)]
+
+pub mod damage;
 
 use std::path::Path;
 
