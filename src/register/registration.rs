@@ -45,8 +45,6 @@ pub struct Registration {
     pub(super) model: Option<ShapeModel>,
     /// The heaviest bone.
     pub(super) root: usize,
-    /// The joints of a spanning forest from there outwards.
-    pub(super) outwards: Vec<(usize, bool)>,
 }
 
 /// What the loop changes.
@@ -101,13 +99,11 @@ impl Registration {
             scales,
             model: None,
             root: 0,
-            outwards: Vec::new(),
         };
         let masses = moments(&registration.template, &registration.areas);
         registration.root = (0..masses.len())
             .max_by(|&a, &b| masses[a].mass.total_cmp(&masses[b].mass))
             .unwrap_or(0);
-        registration.outwards = registration.template.spanning_forest(registration.root);
         registration.levels = registration.make_levels()?;
         Ok(registration)
     }
