@@ -58,10 +58,7 @@ fn select_about(
     let mut best: Option<Selection> = None;
     let miss = |s: &Selection| (s.tets.len() as f64 / wish).ln().abs();
     for _ in 0..MAX_SIZES {
-        if run.is_cancelled() {
-            return Err(Error::Cancelled);
-        }
-        let selection = select(surface, winding, check, Grid::around(surface, edge));
+        let selection = select(surface, winding, check, Grid::around(surface, edge), run)?;
         let ratio = selection.tets.len() as f64 / wish;
         if best.as_ref().is_none_or(|b| miss(&selection) < miss(b)) {
             best = Some(selection);
@@ -103,14 +100,16 @@ fn select(
     winding: &WindingNumber,
     check: &SurfaceCheck,
     grid: Grid,
-) -> Selection {
+    run: &Run,
+) -> Result<Selection> {
     let mut selection = Selection::cut_by(surface, grid);
     let samples = Samples::new();
-    let measured: Vec<(f64, usize)> = selection
-        .tets
-        .par_iter()
-        .map(|tet| samples.measure(winding, &selection.grid.in_space(&tet.corners())))
-        .collect();
+    let measure = |tet: &LatticeTet| {
+        let corners = selection.grid.in_space(&tet.corners());
+        (!run.is_cancelled()).then(|| samples.measure(winding, &corners))
+    };
+    let measured: Option<Vec<(f64, usize)>> = selection.tets.par_iter().map(measure).collect();
+    let measured = measured.ok_or(Error::Cancelled)?;
     let holds_vertex = selection.holds_vertex();
     let closed = check.open_edges.is_empty();
     // A tet cut so slightly that no sample is inside is of use only to carry a vertex; around an
@@ -118,7 +117,7 @@ fn select(
     selection.keep(measured, |i, fraction| fraction > 0.0 || holds_vertex[i] || !closed);
     selection.fill_inside(winding);
     selection.join_pieces();
-    selection
+    Ok(selection)
 }
 
 /// Numbers the lattice's vertices and embeds the surface.
