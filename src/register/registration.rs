@@ -19,7 +19,7 @@ use super::skeleton::Skeleton;
 use super::start::START_SPACING;
 use super::summary::{LevelTrace, Registered};
 use super::target::Target;
-use super::update::moments;
+use super::update::{heaviest, moments};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::run::Run;
@@ -100,10 +100,7 @@ impl Registration {
             model: None,
             root: 0,
         };
-        let masses = moments(&registration.template, &registration.areas);
-        registration.root = (0..masses.len())
-            .max_by(|&a, &b| masses[a].mass.total_cmp(&masses[b].mass))
-            .unwrap_or(0);
+        registration.root = heaviest(&moments(&registration.template, &registration.areas));
         registration.levels = registration.make_levels()?;
         Ok(registration)
     }

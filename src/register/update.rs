@@ -62,29 +62,29 @@ impl Registration {
         steps: usize,
     ) -> Vec<Isometry3<f64>> {
         let mut targets = rigid_targets(reference, &reference.points, wanted, masses);
-        let_unseen_follow(&mut targets, reference, wanted, [masses, unseen]);
+        let moments = moments(reference, masses);
+        let best_seen = heaviest(&moments);
+        let_unseen_follow(&mut targets, reference, best_seen, wanted, [masses, unseen]);
         let whole = whole_motion(&reference.points, wanted, masses);
         let targets: Vec<Isometry3<f64>> =
             targets.into_iter().map(|t| t.unwrap_or(whole)).collect();
         if !self.options.use_joints {
             return targets;
         }
-        let moments = moments(reference, masses);
         nearest_pose(reference, &moments, &targets, self.options.joint_sweeps, steps).transforms
     }
 }
 
-/// What the target does not show of a bone goes, lightly, with the bone it hangs on, from the bone it
-/// shows most of outwards.
+/// What the target does not show of a bone goes, lightly, with the bone it hangs on, from the bone
+/// `root` outwards.
 fn let_unseen_follow(
     targets: &mut [Option<Isometry3<f64>>],
     reference: &Skeleton,
+    root: usize,
     wanted: &[Vec3],
     [masses, unseen]: [&[f64]; 2],
 ) {
-    let seen = |b: &usize| masses[reference.bones[*b].vertices.clone()].iter().sum::<f64>();
-    let best_seen = (0..reference.bones.len()).max_by(|a, b| seen(a).total_cmp(&seen(b)));
-    for (j, to_child) in reference.spanning_forest(best_seen.unwrap_or(0)) {
+    for (j, to_child) in reference.spanning_forest(root) {
         let joint = &reference.joints[j];
         let (near, far) =
             if to_child { (joint.parent, joint.child) } else { (joint.child, joint.parent) };
@@ -112,6 +112,11 @@ pub(super) fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> 
             BoneMoments::new(&reference.points[range.clone()], &masses[range])
         })
         .collect()
+}
+
+/// The bone with the largest mass.
+pub(super) fn heaviest(moments: &[BoneMoments]) -> usize {
+    (0..moments.len()).max_by(|&a, &b| moments[a].mass.total_cmp(&moments[b].mass)).unwrap_or(0)
 }
 
 #[cfg(test)]
