@@ -284,7 +284,7 @@ fn entry(
         child: joint.child.clone(),
         parent_frame: Some(placed(&joint.parent, &joint.body_from_parent_frame)),
         child_frame: Some(placed(&joint.child, &joint.body_from_child_frame)),
-        limits: LimitsEntry { rot_deg: sides, shift: None, shape: "ellipsoid".into() },
+        limits: LimitsEntry { rot_deg: sides, shape: "ellipsoid".into(), ..LimitsEntry::default() },
         tree: true,
         source: Some("osim".into()),
         coordinates: joint.coordinates.clone(),

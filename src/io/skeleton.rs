@@ -136,7 +136,8 @@ pub struct FrameEntry {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsEntry {
-    /// Largest rotations, degrees.
+    /// Largest rotations, degrees; free where they are missing.
+    #[serde(default)]
     pub rot_deg: SidesEntry,
     /// Largest distance of the two joint points; half a percent of the skeleton's diagonal where it
     /// is missing.
@@ -145,6 +146,9 @@ pub struct LimitsEntry {
     /// Only "ellipsoid" is known.
     #[serde(default = "ellipsoid")]
     pub shape: String,
+    /// Whether they are "soft", "hard" or "none" to a registration; what the run says where it is missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule: Option<String>,
 }
 
 /// Largest rotations in both senses about x, y, z, degrees, from 0 upwards; null = free.
@@ -152,8 +156,10 @@ pub struct LimitsEntry {
 #[serde(deny_unknown_fields)]
 pub struct SidesEntry {
     /// Negative sense.
+    #[serde(default)]
     pub neg: [Option<f64>; 3],
     /// Positive sense.
+    #[serde(default)]
     pub pos: [Option<f64>; 3],
 }
 

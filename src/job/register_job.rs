@@ -21,7 +21,7 @@ use crate::io::{SurfaceFile, is_volume, read_bytes, read_surface, read_volume};
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
 use crate::register::options::Levels;
-use crate::register::{Options, Registered, Registration, ShapeModel, Skeleton, Target};
+use crate::register::{Limits, Options, Registered, Registration, ShapeModel, Skeleton, Target};
 use crate::run::Run;
 use crate::volume::label_surface;
 
@@ -84,6 +84,10 @@ pub struct RegisterJob {
     /// The target is meant as it is, even if it looks like a mirror image or another unit
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
     pub as_is: bool,
+    /// What the joints' limits are: walls, soft (10 degrees further where the data insist), or nothing
+    /// [default: hard]
+    #[cfg_attr(feature = "cli", arg(long, value_enum, help_heading = "Method"))]
+    pub limits: Option<Limits>,
     /// Cluster radii from coarse to fine, "inf" for one cluster [default: from the size]
     #[cfg_attr(feature = "cli", arg(long, value_name = "RADIUS", num_args = 1.., help_heading = "Method"))]
     pub radii: Option<Vec<f64>>,
@@ -197,6 +201,7 @@ fn options(job: &RegisterJob, document: &SkeletonDocument) -> Options {
     let mut options = if job.paper { Options::published() } else { Options::default() };
     options.align = !job.no_align;
     options.as_is = job.as_is;
+    options.limits = job.limits.unwrap_or(options.limits);
     if let Some(iterations) = job.iterations {
         options.max_iterations = iterations;
     }

@@ -10,7 +10,7 @@ use crate::io::skeleton::{
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::mesh::{TriMesh, bounding_box};
-use crate::register::{Coordinate, Joint, JointLimits, Skeleton};
+use crate::register::{Coordinate, Joint, JointLimits, Limits, Skeleton};
 
 /// Shift limit of a joint that gives none, as a share of the skeleton's diagonal.
 const DEFAULT_SHIFT: f64 = 0.005;
@@ -74,6 +74,15 @@ fn build_joint(
     let shift = entry.limits.shift.unwrap_or(DEFAULT_SHIFT * diagonal);
     let limits = JointLimits::new(side(&sides.neg), side(&sides.pos), shift)
         .map_err(|e| Error::invalid(format!("joint {}: {e}", entry.name)))?;
+    let rule = entry.limits.rule.as_deref().map(|name| {
+        Limits::named(name).ok_or_else(|| {
+            let name = &entry.name;
+            Error::invalid(format!(
+                "joint {name}: \"rule\" of limits must be \"soft\", \"hard\" or \"none\""
+            ))
+        })
+    });
+    let limits = JointLimits { rule: rule.transpose()?, ..limits };
     let coordinates =
         entry.coordinates.iter().map(|c| coordinate(c, entry)).collect::<Result<_>>()?;
     Ok(Joint {
@@ -154,6 +163,7 @@ pub fn joint_entry([parent, child]: [String; 2], joint: &Joint) -> JointEntry {
             },
             shift: joint.limits.shift.is_finite().then_some(joint.limits.shift),
             shape: "ellipsoid".into(),
+            rule: joint.limits.rule.map(|rule| rule.name().into()),
         },
         tree: joint.in_tree,
         source: None,

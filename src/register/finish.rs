@@ -27,9 +27,9 @@ impl Registration {
         take_shape(&mut reference, placed, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones
         // stay where the data puts them and the joint is seated again in the middle.
-        let limits: Vec<f64> = reference.joints.iter().map(|j| j.limits.shift).collect();
-        for joint in &mut reference.joints {
-            joint.limits.shift *= self.options.seat_factor.max(1.0);
+        let factor = self.options.seat_factor.max(1.0);
+        for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {
+            joint.limits.shift = joint.limits.shift.max(factor * given.limits.shift);
         }
         let free = rigid_targets(&reference, &reference.points, &points, &self.areas);
         let free: Vec<_> = free.into_iter().map(Option::unwrap_or_default).collect();
@@ -44,9 +44,9 @@ impl Registration {
         }
         reference.move_bones(&motions);
         let mut seams = Vec::new();
-        for (joint, limit) in reference.joints.iter_mut().zip(limits) {
+        for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {
             seams.push(seat(joint));
-            joint.limits.shift = limit;
+            joint.limits = given.limits;
         }
         let pairs = search.at(&reference.points, &rules);
         let found = Found {

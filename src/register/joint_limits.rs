@@ -23,9 +23,49 @@ pub struct JointLimits {
     pub positive: Vec3,
     /// Largest distance between the two joint points; the template's unit, >= 0.
     pub shift: f64,
+    /// What they are to a registration; none: what its options say.
+    pub rule: Option<Limits>,
+}
+
+/// What the joints' limits are to a registration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "lowercase")]
+pub enum Limits {
+    /// Knowledge: where the data insist, a joint turns up to 10 degrees further.
+    Soft,
+    /// Walls where the skeleton says.
+    #[default]
+    Hard,
+    /// Joints turn freely; the bones still hang together.
+    None,
+}
+
+impl Limits {
+    const ALL: [Self; 3] = [Self::Soft, Self::Hard, Self::None];
+
+    /// Its name: soft, hard, none.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Soft => "soft",
+            Self::Hard => "hard",
+            Self::None => "none",
+        }
+    }
+
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|limits| limits.name() == name)
+    }
 }
 
 impl JointLimits {
+    /// Rotations may go further by so many radians on every side, and the shift by so much.
+    pub(super) fn widened(&self, turn: f64, shift: f64) -> Self {
+        let [negative, positive] = [self.negative, self.positive].map(|side| side.add_scalar(turn));
+        Self { negative, positive, shift: self.shift + shift, ..*self }
+    }
+
     /// Limits from radians and the template's unit; negative or undefined numbers are an error.
     pub fn new(negative: Vec3, positive: Vec3, shift: f64) -> Result<Self> {
         let valid = |x: f64| x >= 0.0;
@@ -34,7 +74,7 @@ impl JointLimits {
                 "joint limits must be numbers from 0 upwards: give the size of the range on each side",
             ));
         }
-        Ok(Self { negative, positive, shift })
+        Ok(Self { negative, positive, shift, rule: None })
     }
 
     /// Half axes of the octant that `r` lies in.

@@ -26,6 +26,8 @@ const NEAR: f64 = 0.0003;
 pub(super) struct Level {
     pub(super) radius: f64,
     pub(super) elastic: Elastic,
+    /// No cluster spans bones: each has found its place.
+    pub(super) bones_apart: bool,
     pub(super) rules: PairRules,
     pub(super) freedom: ScaleFreedom,
     /// Strength of the pull of bone scales towards each other against the final one.
@@ -133,6 +135,7 @@ impl Registration {
             rules,
             freedom,
             scale_pull: 1.0,
+            bones_apart,
             spacing,
             tolerance_factor: 1.0,
         })

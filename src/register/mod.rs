@@ -39,6 +39,7 @@ pub mod sampled_clusters;
 mod samples;
 pub mod shape_model;
 pub mod skeleton;
+mod soft_limits;
 mod start;
 pub mod summary;
 mod surface;
@@ -49,7 +50,7 @@ mod update;
 pub mod verdict;
 
 pub use image::Appearance;
-pub use joint_limits::JointLimits;
+pub use joint_limits::{JointLimits, Limits};
 pub use options::Options;
 pub use registration::{Registration, register};
 pub use shape_model::ShapeModel;

@@ -1,6 +1,7 @@
 //! Settings of a registration. Every length is relative to the template's size.
 
 use super::bone_scales::{ScaleFreedom, ScaleOptions};
+use super::joint_limits::Limits;
 
 /// How clusters of vertices are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +59,8 @@ pub struct Options {
     pub separate_bones: bool,
     /// Joints hold the bones together.
     pub use_joints: bool,
+    /// What the joints' limits are to the search.
+    pub limits: Limits,
     /// Target to template pairs are used too (an ablation without).
     pub both_ways: bool,
     /// Freedom of bone scales where there is no shape model.
@@ -113,6 +116,7 @@ impl Default for Options {
             finest_in_edges: 1.2,
             separate_bones: false,
             use_joints: true,
+            limits: Limits::Hard,
             both_ways: true,
             scale_freedom: ScaleFreedom::PerAxis,
             scales: ScaleOptions::default(),

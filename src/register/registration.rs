@@ -196,6 +196,7 @@ impl Registration {
         let mut at_last_update = state.points.clone();
         let mut before_last = state.points.clone();
         let mut elastic_left = self.options.max_iterations;
+        self.limit_joints(level, state);
         while trace.updates < most_updates && !run.is_cancelled() {
             let mut pairs = search.at(&state.points, &rules);
             if !search.in_image() {
@@ -261,7 +262,7 @@ mod tests {
     use nalgebra::Isometry3;
 
     use super::*;
-    use crate::register::joint_limits::JointLimits;
+    use crate::register::joint_limits::{JointLimits, Limits};
     use crate::register::skeleton::tests::{block, joint_at};
 
     fn two_bones() -> Skeleton {
@@ -312,6 +313,34 @@ mod tests {
             assert!((found.joints[0].rotation.norm() - 0.7).abs() < 0.05, "{:?}", found.joints);
             assert!(found.joints[0].excess_degrees < 1e-6 && found.joints[0].excess_shift < 1e-9);
         }
+    }
+
+    #[test]
+    fn limits_are_soft_or_walls_or_nothing_and_a_joint_may_have_a_rule_of_its_own() {
+        let template = two_bones();
+        let found = |angle: f64, limits: Limits, rule: Option<Limits>| {
+            let mut bent = template.clone();
+            let turn = nalgebra::UnitQuaternion::from_scaled_axis(Vec3::new(0.0, angle, 0.0));
+            let at = Vec3::new(10.5, 0.0, 0.0);
+            let bend = crate::register::rotation::turned_about(&Isometry3::identity(), &at, turn);
+            bent.move_bones(&[Isometry3::identity(), bend]);
+            let mut template = template.clone();
+            template.joints[0].limits.rule = rule;
+            let options = Options { align: false, limits, ..Options::default() };
+            let target = Target::whole(union(&bent)).unwrap();
+            let found = register(&template, &target, &options, &Run::new()).unwrap();
+            assert_eq!(found.skeleton.joints[0].limits, template.joints[0].limits);
+            (found.joints[0].rotation.norm(), found.joints[0].excess_degrees)
+        };
+        // The range ends at 0.1 radians, the slack at 0.27.
+        let (angle, beyond) = found(0.2, Limits::Soft, None);
+        assert!((angle - 0.2).abs() < 0.01 && (beyond - 5.7).abs() < 0.6, "{angle} {beyond}");
+        let walls = [found(0.2, Limits::Hard, None), found(0.2, Limits::Soft, Some(Limits::Hard))];
+        assert!(walls.iter().all(|(angle, beyond)| *angle < 0.11 && *beyond < 1e-6), "{walls:?}");
+        // Without limits the turn of a block is not found to the end, but it goes beyond the slack.
+        let (soft, _) = found(0.4, Limits::Soft, None);
+        let (free, _) = found(0.4, Limits::None, None);
+        assert!(soft < 0.28 && free > 0.3, "{soft} {free}");
     }
 
     #[test]
