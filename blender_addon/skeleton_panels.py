@@ -87,6 +87,7 @@ class MOULAGE_PT_register(_NeedsSkeleton, bpy.types.Panel):
         if data.target_kind != "IMAGE":
             settings.prop(data, "near")
             settings.prop(data, "as_is")
+        settings.prop(data, "limits")
         settings.prop(data, "live")
         settings.prop(data, "keep")
         missing = registering.missing(armature)

@@ -116,6 +116,15 @@ class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
         name="Meant as it is",
         description="Take the target even if it looks like a mirror image of the skeleton, or as if it were in another unit",
     )
+    limits: EnumProperty(
+        name="Limits",
+        description="What the limits of the joints are",
+        items=[
+            ("hard", "Hard", "No joint turns further"),
+            ("soft", "Soft", "Where the data say so a joint turns up to 10 degrees further"),
+            ("none", "None", "Joints turn freely; the bones hang together all the same"),
+        ],
+    )
     max_iterations: IntProperty(name="Iterations", description="At most so many per level; 0: the usual number", min=0)
     live: BoolProperty(name="Live view", description="Show the bones while they are being found", default=True)
     keep: BoolProperty(

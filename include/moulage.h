@@ -2238,6 +2238,24 @@ void mlg_shape_model_free(MlgShapeModel *model);
  * ================================================================================================ */
 
 /**
+ * What the limits of joints are to a registration.
+ */
+typedef enum MlgLimits {
+  /**
+   * Walls.
+   */
+  MLG_LIMITS_HARD = 0,
+  /**
+   * Where the data insist, a joint turns up to 10 degrees further.
+   */
+  MLG_LIMITS_SOFT = 1,
+  /**
+   * Joints turn freely; the bones still hang together.
+   */
+  MLG_LIMITS_NONE = 2,
+} MlgLimits;
+
+/**
  * How to register. Set with `mlg_registration_options_init`. Lengths are in the template's unit.
  */
 typedef struct MlgRegistrationOptions {
@@ -2280,6 +2298,15 @@ typedef struct MlgRegistrationOptions {
    * 0.
    */
   uint32_t reserved;
+  /**
+   * What the joints' limits are to the search: a number of `MlgLimits`. A joint whose file has a rule
+   * of its own keeps it.
+   */
+  uint32_t limits;
+  /**
+   * 0.
+   */
+  uint32_t reserved_too;
 } MlgRegistrationOptions;
 
 /**

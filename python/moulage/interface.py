@@ -49,6 +49,11 @@ ENDING = (
     "stalled",
     "cancelled",
 )
+LIMITS = (
+    "hard",
+    "soft",
+    "none",
+)
 VERDICT = (
     "good",
     "doubtful",
@@ -256,6 +261,8 @@ class MlgRegistrationOptions(Versioned):
         ("radius_count", c_size_t),
         ("as_is", c_uint32),
         ("reserved", c_uint32),
+        ("limits", c_uint32),
+        ("reserved_too", c_uint32),
     ]
 
 

@@ -8,6 +8,9 @@ from .shapes import Handle
 from .skeletons import Skeleton
 from .tets import Run, follow
 
+# By the number of MlgLimits.
+LIMITS = ("hard", "soft", "none")
+
 
 class Registration(Handle):
     """A template skeleton and what it is to follow: one surface of all bones, surfaces of single bones, or an image."""
@@ -35,20 +38,23 @@ class Registration(Handle):
         names, if any."""
         native.call("registration_set_shape_model", self._handle, None if model is None else model._handle)
 
-    def start(self, radii=None, **options):
+    def start(self, radii=None, limits="hard", **options):
         """Starts on a thread of the library and returns the Run; its preview has the points of all bones. Options as
         in the header's MlgRegistrationOptions: align, as_is, max_iterations, thread_count, paper. `radii`: of the clusters,
-        from coarse to fine."""
+        from coarse to fine. `limits`: what those of the joints are, "hard", "soft" (10 degrees of slack) or "none"."""
+        if limits not in LIMITS:
+            raise ValueError(f"limits is {limits!r}; known are {', '.join(LIMITS)}")
+        options["limits"] = LIMITS.index(limits)
         given = native.options("registration", interface.MlgRegistrationOptions(), options)
         radii = array([] if radii is None else radii, 1, numpy.float64, "radii")
         given.radii, given.radius_count = address(radii), len(radii)
         run = native.make("registration_start", self._handle, given)
         return Run(run, "run_wait_registration", RegistrationResult)
 
-    def run(self, progress=None, radii=None, **options):
+    def run(self, progress=None, radii=None, limits="hard", **options):
         """Registers and returns the result. `progress(Progress)` is called some times a second; when it returns
         False the run stops and what there is is the result."""
-        return follow(self.start(radii, **options), progress)
+        return follow(self.start(radii, limits, **options), progress)
 
 
 class RegistrationResult(Handle):

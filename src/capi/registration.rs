@@ -15,7 +15,7 @@ use super::volume::MlgVolume;
 use crate::io::VolumeFile;
 use crate::job::{read_shape_model, thread_pool};
 use crate::register::options::Levels;
-use crate::register::{Appearance, Options, Registration, ShapeModel, Target};
+use crate::register::{Appearance, Limits, Options, Registration, ShapeModel, Target};
 use crate::run::Run;
 
 /// A template skeleton and the surface it is to follow. May be used by one thread at a time.
@@ -34,6 +34,18 @@ struct ProblemObject {
     seen: Mutex<Seen>,
     /// Statistics in place of those that the template's file names.
     model: Mutex<Option<Arc<ModelObject>>>,
+}
+
+/// What the limits of joints are to a registration.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MlgLimits {
+    /// Walls.
+    Hard = 0,
+    /// Where the data insist, a joint turns up to 10 degrees further.
+    Soft = 1,
+    /// Joints turn freely; the bones still hang together.
+    None = 2,
 }
 
 /// How to register. Set with `mlg_registration_options_init`. Lengths are in the template's unit.
@@ -61,6 +73,11 @@ pub struct MlgRegistrationOptions {
     pub as_is: u32,
     /// 0.
     pub reserved: u32,
+    /// What the joints' limits are to the search: a number of `MlgLimits`. A joint whose file has a rule
+    /// of its own keeps it.
+    pub limits: u32,
+    /// 0.
+    pub reserved_too: u32,
 }
 
 // SAFETY: repr(C), plain numbers and a pointer, size first.
@@ -76,6 +93,8 @@ const DEFAULTS: MlgRegistrationOptions = MlgRegistrationOptions {
     radius_count: 0,
     as_is: 0,
     reserved: 0,
+    limits: MlgLimits::Hard as u32,
+    reserved_too: 0,
 };
 
 /// Writes the defaults. `struct_size`: `sizeof *out_options`.
@@ -90,6 +109,13 @@ pub unsafe extern "C" fn mlg_registration_options_init(
     })
 }
 
+fn limits(number: u32) -> Outcome<Limits> {
+    const KNOWN: [Limits; 3] = [Limits::Hard, Limits::Soft, Limits::None];
+    KNOWN.get(number as usize).copied().ok_or_else(|| {
+        Failure::invalid(format!("options.limits is {number}; 0 to 2 are known (MlgLimits)"))
+    })
+}
+
 unsafe fn options_of(
     given: *const MlgRegistrationOptions,
     template: &SkeletonObject,
@@ -100,6 +126,7 @@ unsafe fn options_of(
     let mut options = if paper { Options::published() } else { Options::default() };
     options.align = buffers::switch(given.align, "options.align")?;
     options.as_is = buffers::switch(given.as_is, "options.as_is")?;
+    options.limits = limits(given.limits)?;
     if given.max_iterations > 0 {
         options.max_iterations = given.max_iterations as usize;
     }

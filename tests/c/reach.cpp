@@ -223,6 +223,11 @@ static void registered() {
     CHECK(unseen.summary().verdict != MLG_VERDICT_GOOD && unseen.bone_fit(1).reason_count > 0);
     CHECK(unseen.bone_fit(1).verdict == MLG_VERDICT_DOUBTFUL && unseen.verdict_name() == "DOUBTFUL");
     CHECK(unseen.bone_reasons(1).find("no surface of it") != std::string::npos);
+    // Limits are a number of MlgLimits.
+    options.limits = MLG_LIMITS_NONE + 1;
+    CHECK(status_of([&] { half.run(options); }) == MLG_STATUS_INVALID_ARGUMENT);
+    options.limits = MLG_LIMITS_SOFT;
+    CHECK(status_of([&] { half.run(options); }) == MLG_STATUS_OK);
     // One in metres is refused, unless it is meant.
     Registration metres(skeleton);
     metres.set_target(Ball(0.001).mesh());

@@ -148,6 +148,14 @@ class Answers(unittest.TestCase):
         found = registration.run(align=0, as_is=1).skeleton
         self.assertLess(numpy.ptp(found.points), 0.01 * numpy.ptp(self.points))
 
+    def test_limits_have_names(self):
+        registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
+        registration.set_target(self.surface)
+        with self.assertRaisesRegex(ValueError, "known are hard, soft, none"):
+            registration.run(align=0, limits="loose")
+        for limits in ("hard", "soft", "none"):
+            self.assertFalse(registration.run(align=0, limits=limits).summary["cancelled"])
+
     def test_a_bone_that_the_target_hardly_shows_is_in_doubt_with_its_reasons(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
         registration.set_target(moulage.TriMesh(self.points, self.triangles[:1]))
