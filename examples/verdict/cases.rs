@@ -9,7 +9,7 @@ use moulage::locate::ClosestPoints;
 use moulage::math::Vec3;
 use moulage::register::{Skeleton, Target};
 use moulage::volume::label_surface;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion};
 
 use super::hands;
 use super::hands::damage::{self, ball, joined, mapped};
@@ -244,10 +244,34 @@ fn leg(data: &Path) -> Vec<Case> {
     }
     cases.push(leg.case("tenth cut off at one end", damage::cut(&leg.scan, 0.1, true)));
     cases.push(leg.case("tenth cut off at the other end", damage::cut(&leg.scan, 0.1, false)));
+    cases.push(straighter_knee(&leg));
     let mirrored = damage::inside_out(&mapped(&leg.scan, |p| Vec3::new(-p.x, p.y, p.z)));
     cases.push(Case { refused: true, ..leg.case("mirrored", mirrored) });
     cases.push(Case { refused: true, ..leg.case("in metres", mapped(&leg.scan, |p| p / 1000.0)) });
     cases
+}
+
+/// The person's knee (centre and axis from the case's ground truth) 5 degrees straighter than the
+/// template's range begins, and the fibula 3 % longer.
+fn straighter_knee(leg: &Person) -> Case {
+    let centre = Vec3::new(132.09, -32.85, -403.21);
+    let axis = Unit::new_normalize(Vec3::new(-0.97323, -0.09643, -0.20865));
+    let turn = UnitQuaternion::from_axis_angle(&axis, -5_f64.to_radians());
+    let turned = |p: &Vec3| centre + turn * (p - centre);
+    let bones =
+        leg.template.bones.iter().zip(&leg.bones).map(|(bone, surface)| match bone.name.as_str() {
+            "tibia_r" => mapped(surface, turned),
+            "fibula_r" => {
+                let low = surface.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+                let longer = |p: &Vec3| Vec3::new(p.x, p.y, low + 1.03 * (p.z - low));
+                mapped(surface, |p| turned(&longer(p)))
+            }
+            _ => surface.clone(),
+        });
+    let bones: Vec<TriMesh> = bones.collect();
+    let scan = bones.iter().fold(TriMesh::default(), |all, bone| joined(&all, bone));
+    let truth = bones.into_iter().map(|bone| Some(Truth::Surface(bone))).collect();
+    leg.case_of("knee 5 degrees beyond its limit, fibula 3 % longer", scan, truth)
 }
 
 /// Whole template bones on a CT whose border cuts pelvis and femur.
