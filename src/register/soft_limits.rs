@@ -9,6 +9,8 @@ use super::joint_limits::Limits;
 use super::levels::Level;
 use super::pose::{limit_state, rigid_targets};
 use super::registration::{Registration, State};
+use super::skeleton::Joint;
+use crate::mesh::bounding_box;
 
 /// How much further a joint may go where its data insist: degrees, and a share of the smaller bone's size.
 const SLACK: [f64; 2] = [10.0, 0.04];
@@ -18,25 +20,41 @@ const INSISTENCE: [f64; 2] = [3.0, 0.01];
 impl Registration {
     /// Sets the limits that hold at a level.
     pub(super) fn limit_joints(&self, level: &Level, state: &mut State) {
+        let rule = |given: &Joint| given.limits.rule.unwrap_or(self.options.limits);
+        let walls = |limits| limits == Limits::Hard || limits == Limits::Soft && !level.bones_apart;
         let State { reference, points, .. } = state;
+        for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {
+            joint.limits = given.limits;
+        }
+        if self.template.joints.iter().all(|given| walls(rule(given))) {
+            return;
+        }
         let motions = rigid_targets(reference, &reference.points, points, &self.areas);
         let motions: Vec<_> = motions.into_iter().map(Option::unwrap_or_default).collect();
-        let size = |b: usize| self.template.bone_surface(b, &self.template.points).diagonal();
-        let sizes: Vec<f64> = (0..motions.len()).map(size).collect();
         for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {
-            let size = sizes[joint.parent].min(sizes[joint.child]);
+            let size = self.smaller_size(given);
             let wanted = joint.transform(&motions[joint.parent], &motions[joint.child]);
             let beyond = limit_state(&given.limits, &wanted);
             let insist = beyond.rotation_excess.to_degrees() > INSISTENCE[0]
                 || beyond.shift_excess > INSISTENCE[1] * size;
-            let slack = SLACK[1] * size;
-            joint.limits = match given.limits.rule.unwrap_or(self.options.limits) {
-                Limits::Soft if level.bones_apart && insist => {
-                    given.limits.widened(SLACK[0].to_radians(), slack)
-                }
-                Limits::Soft | Limits::Hard => given.limits,
-                Limits::None => given.limits.widened(f64::INFINITY, slack),
+            let turn = match rule(given) {
+                limits if walls(limits) => continue,
+                Limits::None => f64::INFINITY,
+                _ if insist => SLACK[0].to_radians(),
+                _ => continue,
             };
+            joint.limits = given.limits.widened(turn, SLACK[1] * size);
         }
+    }
+
+    /// The template's size of the smaller bone at a joint.
+    fn smaller_size(&self, joint: &Joint) -> f64 {
+        let size = |b: usize| {
+            let vertices = self.template.bones[b].vertices.clone();
+            let (low, high) = bounding_box(&self.template.points[vertices])?;
+            Some((high - low).norm())
+        };
+        let sizes = [joint.parent, joint.child].map(|b| size(b).unwrap_or(0.0));
+        sizes[0].min(sizes[1])
     }
 }
