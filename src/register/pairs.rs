@@ -143,8 +143,10 @@ impl Group {
         surface: &SearchedSurface,
         spacing: f64,
     ) {
-        self.forward = Samples::new(points, areas, spacing);
-        self.backward = Samples::new(&surface.mesh.points, &surface.areas, spacing);
+        let (forward, denser) = Samples::of_bones(points, areas, &self.bones.bone_of, spacing);
+        self.forward = forward;
+        // The target, too, shows the small bones.
+        self.backward = Samples::new(&surface.mesh.points, &surface.areas, spacing / denser.sqrt());
         self.forward_hits = vec![u32::MAX; self.forward.vertices.len()];
         self.backward_hits = vec![u32::MAX; self.backward.vertices.len()];
     }

@@ -1,5 +1,7 @@
 //! An even choice of vertices that stands for all of them.
 
+use std::ops::Range;
+
 use super::neighbours::PointGrid;
 use crate::math::Vec3;
 
@@ -10,7 +12,57 @@ pub(super) struct Samples {
     pub(super) areas: Vec<f64>,
 }
 
+/// A bone with fewer places than this is not held by them,
+const LEAST_OF_BONE: usize = 4;
+/// and is sampled at about so many.
+const OF_SMALL_BONE: f64 = 24.0;
+
 impl Samples {
+    /// Vertices at least `spacing` apart; bones that would have too few of them to be held are sampled
+    /// by themselves, more densely. `bone_of` gives the bone of each vertex; a bone's vertices stand
+    /// together. Comes with the factor by which there are more than of even ones.
+    pub(super) fn of_bones(
+        points: &[Vec3],
+        areas: &[f64],
+        bone_of: &[u32],
+        spacing: f64,
+    ) -> (Self, f64) {
+        let even = Self::new(points, areas, spacing);
+        let mut bones = Vec::new();
+        let mut first = 0;
+        for bone in bone_of.chunk_by(|a, b| a == b) {
+            bones.push(first..first + bone.len());
+            first += bone.len();
+        }
+        let is_small = |bone: &Range<usize>| {
+            let own = even.vertices.iter().filter(|&&v| bone.contains(&(v as usize)));
+            own.count() < LEAST_OF_BONE.min(bone.len())
+        };
+        let (small, large): (Vec<_>, Vec<_>) = bones.into_iter().partition(is_small);
+        if small.is_empty() {
+            return (even, 1.0);
+        }
+        let count = even.vertices.len() as f64;
+        let mut all = Self::default();
+        all.add(points, areas, &large.into_iter().flatten().collect::<Vec<_>>(), spacing);
+        for bone in small {
+            let area: f64 = areas[bone.clone()].iter().sum();
+            let dense = (area / OF_SMALL_BONE).sqrt();
+            all.add(points, areas, &bone.collect::<Vec<_>>(), dense.min(spacing));
+        }
+        let factor = all.vertices.len() as f64 / count;
+        (all, factor)
+    }
+
+    /// Adds an even choice of some vertices.
+    fn add(&mut self, points: &[Vec3], areas: &[f64], of: &[usize], spacing: f64) {
+        let local: Vec<Vec3> = of.iter().map(|&v| points[v]).collect();
+        let local_areas: Vec<f64> = of.iter().map(|&v| areas[v]).collect();
+        let own = Self::new(&local, &local_areas, spacing);
+        self.vertices.extend(own.vertices.iter().map(|&v| of[v as usize] as u32));
+        self.areas.extend(own.areas);
+    }
+
     /// Vertices at least `spacing` apart; every vertex gives its area to the nearest chosen one.
     /// A spacing of 0 takes all.
     pub(super) fn new(points: &[Vec3], areas: &[f64], spacing: f64) -> Self {
