@@ -7,6 +7,7 @@ mod anatomy_spec;
 mod attach;
 mod batch;
 mod batch_summary;
+mod bone_landmarks;
 mod bvh_motion;
 mod case;
 mod check_files;
@@ -46,6 +47,7 @@ pub use anatomy_report::{AnatomyReport, ObjectLine};
 pub use anatomy_spec::{AnatomyJob, Object};
 pub use attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
 pub use batch::{BatchJob, run_batch};
+pub use bone_landmarks::{BoneLandmarks, read_bone_landmarks};
 pub use bvh_motion::{bvh_of_motion, motion_of_bvh};
 pub use case::{Case, CaseRecord, Status};
 pub use check_files::{FileCheck, check_file};
@@ -72,7 +74,7 @@ pub use register_job::{
     RegisterJob, RegisterResult, SkeletonFiles, read_motion, read_skeleton, run_register,
 };
 pub use register_output::{file_name, result_document, scene};
-pub use register_report::{RegisterReport, warnings as registration_warnings};
+pub use register_report::{LandmarkSummary, RegisterReport, warnings as registration_warnings};
 pub use remesh::{Remesh, Shapeliness};
 pub use report::{Change, Ending, Iteration, PairLine, Report, Shapes, Stage};
 pub use reshape_job::{JobResult, run_reshape};

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::bone_landmarks::read_bone_landmarks;
 use super::bvh_motion::motion_of_bvh;
 use super::image_target::{Measure, appearance, image_target};
 use super::model_file::read_shape_model;
@@ -51,6 +52,14 @@ pub struct RegisterJob {
         arg(long, value_name = "VOLUME", requires = "volume", help_heading = "Input")
     )]
     pub reference: Option<PathBuf>,
+    /// Places of bones that are known on the person: one file with both positions (template_x .. and
+    /// target_x ..), or two marker files, of the template and of the person, paired by name; named as
+    /// the bone (femur, "femur: head"), else on the nearest one
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "FILE", num_args = 1..=2, help_heading = "Input")
+    )]
+    pub landmarks: Option<Vec<PathBuf>>,
     /// Soft tissue surfaces in the template's pose to carry along, besides the skeleton's own
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Input"))]
     pub carry: Option<Vec<PathBuf>>,
@@ -157,7 +166,11 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     }
     run.enter("reading", 0.0);
     let files = read_skeleton(&job.skeleton)?;
-    let (target, notes) = read_target(job, &files)?;
+    let (target, mut notes) = read_target(job, &files)?;
+    let landmarks =
+        read_bone_landmarks(job.landmarks.as_deref().unwrap_or_default(), &files.skeleton)?;
+    let target = target.with_landmarks(&files.skeleton, &landmarks.landmarks)?;
+    notes.extend(landmarks.warning.clone());
     let carried = output::read_carried(job, &files)?;
     let flip = job.flip.as_deref().unwrap_or_default();
     let motion = job.motion.as_deref();
@@ -176,6 +189,7 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     let registered = registration.register(&target, run)?;
     let seconds = started.elapsed().as_secs_f64();
     let mut report = RegisterReport::new(job, &files, &registered, [prepared, seconds]);
+    report.take_landmarks(&landmarks, &files.skeleton, &registered.landmarks);
     report.warnings.splice(0..0, notes);
     run.enter("writing", 0.97);
     if let Some(folder) = &job.out {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use base64::Engine;
 use serde::Serialize;
 
+use super::bone_landmarks::BoneLandmarks;
 use super::register_job::{RegisterJob, SkeletonFiles};
 use super::report::picture::{Colour, View, draw};
 use crate::error::{Error, Result};
@@ -13,7 +14,7 @@ use crate::io::markup::escaped;
 use crate::io::write_beside;
 use crate::mesh::TriMesh;
 use crate::register::summary::{BoneSummary, JointSummary, LevelTrace};
-use crate::register::{Registered, Skeleton, Verdict};
+use crate::register::{Landmark, Registered, Skeleton, Verdict};
 
 /// Colours of neighbouring bones.
 const PALETTE: [Colour; 6] = [
@@ -79,6 +80,17 @@ fn worst_joints<'a>(joints: impl Iterator<Item = (f64, &'a str)>, digits: usize)
     (!worst.is_empty()).then(|| format!("{}{more}", worst.join(", ")))
 }
 
+/// A landmark and its distance from its place at the end.
+#[derive(Clone, Debug, Serialize)]
+pub struct LandmarkSummary {
+    /// Name.
+    pub name: String,
+    /// Its bone.
+    pub bone: String,
+    /// Distance, template unit.
+    pub distance: f64,
+}
+
 /// All figures of a registration.
 #[derive(Clone, Debug, Serialize)]
 pub struct RegisterReport {
@@ -104,6 +116,8 @@ pub struct RegisterReport {
     pub bones: Vec<BoneSummary>,
     /// The joints.
     pub joints: Vec<JointSummary>,
+    /// The landmarks.
+    pub landmarks: Vec<LandmarkSummary>,
     /// The levels.
     pub levels: Vec<LevelTrace>,
     /// What to look at.
@@ -138,10 +152,25 @@ impl RegisterReport {
             cancelled: found.cancelled,
             bones: found.bones.clone(),
             joints: found.joints.clone(),
+            landmarks: Vec::new(),
             levels: found.levels.clone(),
             warnings: warnings(&files.skeleton, found),
             written: Vec::new(),
         }
+    }
+
+    pub(super) fn take_landmarks(
+        &mut self,
+        landmarks: &BoneLandmarks,
+        skeleton: &Skeleton,
+        distances: &[f64],
+    ) {
+        let named = landmarks.names.iter().zip(&landmarks.landmarks).zip(distances);
+        let summary = |((name, landmark), distance): ((&String, &Landmark), &f64)| {
+            let bone = skeleton.bones[landmark.bone].name.clone();
+            LandmarkSummary { name: name.clone(), bone, distance: *distance }
+        };
+        self.landmarks = named.map(summary).collect();
     }
 
     /// Mean residual of all bones, weighted equally.
@@ -263,7 +292,23 @@ impl RegisterReport {
             );
         }
         html.push_str("</table>");
+        self.landmark_table(&mut html);
         html
+    }
+
+    fn landmark_table(&self, html: &mut String) {
+        if self.landmarks.is_empty() {
+            return;
+        }
+        html.push_str(
+            "<h2>Landmarks</h2><table><tr><th>landmark<th class=\"words\">bone<th>ends off by</tr>",
+        );
+        for l in &self.landmarks {
+            let (name, bone) = (escaped(&l.name), escaped(&l.bone));
+            let _ =
+                write!(html, "<tr><td>{name}<td class=\"words\">{bone}<td>{:.3}</tr>", l.distance);
+        }
+        html.push_str("</table>");
     }
 }
 

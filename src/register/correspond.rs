@@ -9,6 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::image::ImageTarget;
+use super::landmarks::PlacedLandmark;
 use super::pairs::{Bones, Group, Pair, PairRules, Side, image_pairs, median_distance};
 use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
@@ -70,6 +71,7 @@ impl Correspondences {
 pub(super) struct Correspond<'a> {
     groups: Vec<(Group, &'a SearchedSurface)>,
     image: Option<(&'a ImageTarget, Vec<f64>)>,
+    landmarks: &'a [PlacedLandmark],
     vertex_count: usize,
     /// Areas of the vertices of bones that the target has no surface for.
     without_data: Vec<f64>,
@@ -112,7 +114,8 @@ impl<'a> Correspond<'a> {
         for (group, _) in &groups {
             without_data[group.vertices.clone()].fill(0.0);
         }
-        Self { groups, image, vertex_count: skeleton.points.len(), without_data, triangles }
+        let (vertex_count, landmarks) = (skeleton.points.len(), target.landmarks.as_slice());
+        Self { groups, image, landmarks, vertex_count, without_data, triangles }
     }
 
     /// The same search at another sampling density.
@@ -148,6 +151,9 @@ impl<'a> Correspond<'a> {
         if let Some((image, areas)) = &self.image {
             pairs.extend(image_pairs(image, areas, points, &normals, rules.reach));
         }
+        if rules.landmark_radius > 0.0 {
+            pairs.extend(self.landmarks.iter().map(|l| l.pair(points, rules.landmark_radius)));
+        }
         Correspondences { normals, ..self.gather(points, &pairs, rules) }
     }
 
@@ -163,7 +169,7 @@ impl<'a> Correspond<'a> {
         let mut unseen = self.without_data.clone();
         for pair in pairs {
             let trust = pair.trust(rules.min_cosine, scale);
-            if pair.side != Side::Target {
+            if matches!(pair.side, Side::Template | Side::BeyondBorder) {
                 unseen[pair.vertices[0] as usize] += (1.0 - trust) * pair.area;
             }
             if pair.side == Side::BeyondBorder {

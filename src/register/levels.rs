@@ -75,6 +75,7 @@ impl Registration {
                 level.rules.taken = 0.0;
             }
             level.rules.reach = self.image_reach(k, count);
+            level.rules.landmark_radius = if level.bones_apart { 0.0 } else { level.radius };
         }
         Ok(levels)
     }
@@ -96,6 +97,7 @@ impl Registration {
             taken: self.options.taken_factor,
             near: NEAR * self.diagonal,
             reach: self.options.image_reach[1] * self.diagonal,
+            landmark_radius: 0.0,
         }
     }
 

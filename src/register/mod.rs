@@ -20,6 +20,8 @@ mod finish;
 mod image;
 pub mod joint_frames;
 pub mod joint_limits;
+mod landmark_pose;
+mod landmarks;
 mod levels;
 mod neighbours;
 pub mod options;
@@ -51,6 +53,7 @@ pub mod verdict;
 
 pub use image::Appearance;
 pub use joint_limits::{JointLimits, Limits};
+pub use landmarks::Landmark;
 pub use options::Options;
 pub use registration::{Registration, register};
 pub use shape_model::ShapeModel;

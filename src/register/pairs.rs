@@ -29,6 +29,8 @@ pub(super) struct PairRules {
     pub near: f64,
     /// Distance to each side that is searched in an image, template unit.
     pub reach: f64,
+    /// A landmark counts as much as a piece of surface of this radius, template unit.
+    pub landmark_radius: f64,
 }
 
 /// One pair: a vertex with its share of weight and its displacement to the wanted place.
@@ -51,6 +53,7 @@ pub(super) enum Side {
     /// The template, where the target ends: not a pair.
     BeyondBorder,
     Target,
+    Landmark,
 }
 
 /// A surface of bones with vertices numbered from its own first.
@@ -207,6 +210,9 @@ impl Group {
 
 impl Pair {
     pub(super) fn trust(&self, min_cosine: f64, scale: Option<f64>) -> f64 {
+        if self.side == Side::Landmark {
+            return 1.0;
+        }
         if self.cosine < min_cosine {
             return 0.0;
         }
@@ -224,6 +230,6 @@ impl Pair {
 }
 
 pub(super) fn median_distance(pairs: &[Pair], min_cosine: f64) -> f64 {
-    let trusted = pairs.iter().filter(|p| p.cosine >= min_cosine);
+    let trusted = pairs.iter().filter(|p| p.cosine >= min_cosine && p.side != Side::Landmark);
     median(trusted.map(|p| p.pull.norm())).unwrap_or(0.0)
 }

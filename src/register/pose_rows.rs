@@ -122,7 +122,7 @@ fn turn_rows(joint: &Joint, pose: &[Isometry3<f64>], rows: &mut Vec<Row>) {
 }
 
 /// d r / d w for exp(r') = exp(w) exp(r).
-fn left_jacobian_inverse(r: &Vec3) -> Mat3 {
+pub(super) fn left_jacobian_inverse(r: &Vec3) -> Mat3 {
     let angle = r.norm();
     let cross = r.cross_matrix();
     let second = if angle < 1e-4 {

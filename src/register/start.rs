@@ -1,7 +1,11 @@
 //! Where the loop starts: the best of some poses, and other poses for branches that went wrong.
 
+use nalgebra::Isometry3;
+
 use super::attempts::Attempt;
 use super::correspond::Correspond;
+use super::landmark_pose::LandmarkPose;
+use super::landmarks::{rigid_motion, rms_after};
 use super::levels::Level;
 use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_starts;
@@ -63,14 +67,42 @@ impl Registration {
         let motions = towards_mid_range(&self.template, &posed, self.root, &all, share);
         posed.move_bones(&motions);
         if !self.options.align || target.image.is_some() {
-            return vec![posed];
+            return vec![self.posed_by_landmarks(posed, target)];
         }
         let moved = |motion| {
             let mut placed = posed.clone();
             placed.move_bones(&vec![motion; posed.bones.len()]);
-            placed
+            self.posed_by_landmarks(placed, target)
         };
-        rigid_starts(&posed, &self.areas, target).into_iter().map(moved).collect()
+        self.rigid_motions(&posed, target).into_iter().map(moved).collect()
+    }
+
+    /// The skeleton bent so that it comes near the landmarks.
+    fn posed_by_landmarks(&self, mut skeleton: Skeleton, target: &Target) -> Skeleton {
+        let landmarks = target.landmarks.as_slice();
+        if landmarks.is_empty() || !self.options.use_joints {
+            return skeleton;
+        }
+        let found = LandmarkPose::new(&skeleton, landmarks, self.diagonal).solve();
+        if let Ok(motions) = found {
+            skeleton.move_bones(&motions);
+        }
+        skeleton
+    }
+
+    /// Ways to lay a pose on the target, best first: as the landmarks say, or those that fit the
+    /// surface, the ones nearer to the landmarks first.
+    fn rigid_motions(&self, posed: &Skeleton, target: &Target) -> Vec<Isometry3<f64>> {
+        let landmarks = target.landmarks.as_slice();
+        if let Some(motion) = rigid_motion(landmarks, &posed.points, self.diagonal) {
+            return vec![motion];
+        }
+        let mut motions = rigid_starts(posed, &self.areas, target);
+        if !landmarks.is_empty() {
+            let far = |motion: &Isometry3<f64>| rms_after(landmarks, &posed.points, motion);
+            motions.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        }
+        motions
     }
 
     /// Tries the starting poses with rigid bones, keeps the one that comes nearest. None where there is

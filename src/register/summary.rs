@@ -32,6 +32,8 @@ pub struct Registered {
     pub cancelled: bool,
     /// How far the whole can be trusted.
     pub judgement: Judgement,
+    /// How far each of the target's landmarks ends from its place, template unit.
+    pub landmarks: Vec<f64>,
     /// What was done to the target before it was used, in sentences.
     pub notes: Vec<String>,
 }
@@ -142,6 +144,7 @@ impl Registered {
         }
         let judgement = judge_whole(&bones, explained, target.left_out);
         let notes = target.notes();
+        let landmarks = target.landmarks.iter().map(|l| l.distance(&skeleton.points)).collect();
         let cancelled = false;
         Self {
             skeleton,
@@ -153,6 +156,7 @@ impl Registered {
             levels,
             cancelled,
             judgement,
+            landmarks,
             notes,
         }
     }

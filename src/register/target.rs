@@ -1,6 +1,7 @@
 //! One person's bones as seen: a surface of all bones together, or one surface per bone.
 
 use super::image::{Appearance, ImageTarget};
+use super::landmarks::PlacedLandmark;
 use super::prepared::Prepared;
 use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
@@ -23,6 +24,7 @@ pub struct Target {
     pub(super) labelled: bool,
     /// An image in place of surfaces.
     pub(super) image: Option<ImageTarget>,
+    pub(super) landmarks: Vec<PlacedLandmark>,
 }
 
 impl Target {
@@ -34,7 +36,7 @@ impl Target {
         }
         let Prepared { mesh, turned, smoothed } = Prepared::new(surface);
         let surfaces = vec![Some(SearchedSurface::new(mesh))];
-        Ok(Self { turned, smoothed, left_out: 0.0, surfaces, labelled: false, image: None })
+        Ok(Self { turned, smoothed, surfaces, ..Self::empty() })
     }
 
     /// A surface for each named bone; bones that are not named have no data of their own and follow
@@ -64,7 +66,7 @@ impl Target {
             return Err(Error::invalid("the target names no bone of the skeleton"));
         }
         let surfaces = of_bone;
-        Ok(Self { turned, smoothed, left_out: 0.0, surfaces, labelled: true, image: None })
+        Ok(Self { turned, smoothed, surfaces, labelled: true, ..Self::empty() })
     }
 
     /// An image of the person, in which the template already lies roughly on its bones (within the
@@ -72,14 +74,19 @@ impl Target {
     /// in its reference image, made by the same protocol.
     pub fn image(skeleton: &Skeleton, volume: Volume, appearance: Appearance) -> Result<Self> {
         let image = Some(ImageTarget::new(skeleton, volume, appearance)?);
-        Ok(Self {
+        Ok(Self { image, ..Self::empty() })
+    }
+
+    fn empty() -> Self {
+        Self {
             turned: false,
             smoothed: false,
             left_out: 0.0,
             surfaces: Vec::new(),
             labelled: false,
-            image,
-        })
+            image: None,
+            landmarks: Vec::new(),
+        }
     }
 
     /// Whether the target tells the bones apart.
@@ -127,6 +134,7 @@ impl Target {
             SearchedSurface::new(TriMesh { points, triangles })
         };
         let surfaces = self.surfaces.iter().map(|s| s.as_ref().map(mirrored)).collect();
-        Self { surfaces, ..self.clone() }
+        let landmarks = self.landmarks.iter().map(PlacedLandmark::mirrored).collect();
+        Self { surfaces, landmarks, ..self.clone() }
     }
 }

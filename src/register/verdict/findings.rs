@@ -29,6 +29,9 @@ const CRUMPLED: [f64; 2] = [0.025, 0.2];
 const HELD: [f64; 2] = [0.12, 0.4];
 /// Degrees by which its data would turn a joint of a bone beyond its limit.
 const TURNED: [f64; 2] = [8.0, 40.0];
+/// Distance of a landmark from its place as a share of its bone's radius.
+const MISSED: [f64; 2] = [0.5, 1.5];
+
 /// Share of bone `b`'s vertices that found something like them in the image, and what it says.
 pub(super) fn image_findings(evidence: &Evidence, b: usize) -> (f64, Vec<Finding>) {
     let range = evidence.result.bones[b].vertices.clone();
@@ -137,7 +140,19 @@ pub(super) fn shape_findings(
         findings.push(Finding::new(ratio(&other), SIZE, reason));
     }
     findings.extend(turned(evidence, b));
+    findings.extend(missed(evidence, own.radius, b));
     findings
+}
+
+/// The landmark of a bone that ends furthest from its place.
+fn missed(evidence: &Evidence, radius: f64, b: usize) -> Option<Finding> {
+    let own = evidence.target.landmarks.iter().filter(|landmark| landmark.bone == b);
+    let distances = own.map(|landmark| landmark.distance(&evidence.result.points));
+    let distance = distances.max_by(f64::total_cmp)?;
+    let reason = format!(
+        "its landmark is {distance:.3} from where the person has it; see whether that is the place, and whether the bone lies on another one"
+    );
+    Some(Finding::new(distance / radius, MISSED, reason))
 }
 
 /// The joint of a bone that its data would turn furthest beyond its limit.

@@ -1,0 +1,298 @@
+//! The pose in which a skeleton comes near its landmarks with as little bending as possible.
+//!
+//! Bones hang on each other by stiff springs at their joints, joints are turned back by springs that are
+//! as soft as their ranges are wide, and the landmarks pull: a nonlinear least-squares problem in the
+//! rigid motions of all bones, solved by Gauss and Newton's method. Bones without a landmark of their own
+//! go where those around them take them.
+
+use nalgebra::{Isometry3, Matrix3x6, UnitQuaternion, Vector6};
+
+use super::landmarks::PlacedLandmark;
+use super::pose::moved;
+use super::pose_rows::left_jacobian_inverse;
+use super::rotation::{rotation_vector, turned_about};
+use super::skeleton::{Joint, Skeleton};
+use crate::error::Result;
+use crate::math::{Mat3, Vec3};
+use crate::solve::{BlockMatrix, BlockPattern, SymbolicFactor};
+
+/// Distances that count as much as a joint turned by its whole range, as shares of the template's
+/// diagonal: of a landmark, and of the two sides of a joint.
+const LANDMARK_DISTANCE: f64 = 0.005;
+const JOINT_GAP: f64 = 0.0005;
+/// Ranges are taken as at least and at most so wide, radians.
+const RANGES: [f64; 2] = [0.05, 1.5];
+/// What holds a bone where nothing else does, against a landmark.
+const RIDGE: f64 = 1e-6;
+/// A turn of a bone in one step is held below this, radians.
+const LONGEST_TURN: f64 = 0.5;
+const MOST_STEPS: usize = 60;
+const MOST_HALVINGS: usize = 8;
+/// At rest when a step saves less than this share.
+const REST: f64 = 1e-6;
+
+/// Three springs: their elongations, weights, and how the bones' twists (shift, and turn about the
+/// bone's centre) change them.
+struct Springs {
+    bones: [usize; 2],
+    parts: [Matrix3x6<f64>; 2],
+    elongation: Vec3,
+    weights: Vec3,
+}
+
+/// The springs of a skeleton and its landmarks.
+pub(super) struct LandmarkPose<'a> {
+    skeleton: &'a Skeleton,
+    landmarks: &'a [PlacedLandmark],
+    diagonal: f64,
+    centres: Vec<Vec3>,
+    /// The joints' rotation vectors at the start, at which their springs are at rest.
+    rest: Vec<Vec3>,
+}
+
+impl<'a> LandmarkPose<'a> {
+    pub(super) fn new(
+        skeleton: &'a Skeleton,
+        landmarks: &'a [PlacedLandmark],
+        diagonal: f64,
+    ) -> Self {
+        let centre = |range: std::ops::Range<usize>| {
+            let count = range.len().max(1) as f64;
+            skeleton.points[range].iter().sum::<Vec3>() / count
+        };
+        let centres = skeleton.bones.iter().map(|b| centre(b.vertices.clone())).collect();
+        let still = Isometry3::identity();
+        let turn = |joint: &Joint| rotation_vector(&joint.transform(&still, &still).rotation);
+        let rest = skeleton.joints.iter().map(turn).collect();
+        Self { skeleton, landmarks, diagonal, centres, rest }
+    }
+
+    /// The motions of all bones.
+    pub(super) fn solve(&self) -> Result<Vec<Isometry3<f64>>> {
+        let links: Vec<(u32, u32)> =
+            self.skeleton.joints.iter().map(|j| (j.parent as u32, j.child as u32)).collect();
+        let pattern = BlockPattern::of_links(&self.centres, &links, 6);
+        let symbolic = SymbolicFactor::new(&pattern)?;
+        let mut pose = vec![Isometry3::identity(); self.centres.len()];
+        let mut energy = self.energy(&pose);
+        for _ in 0..MOST_STEPS {
+            let (mut step, matrix) = self.gradient_and_matrix(&pattern, &pose);
+            symbolic.factor(&matrix)?.solve(&mut step);
+            let turn =
+                step.chunks(6).map(|s| Vec3::new(s[3], s[4], s[5]).norm()).fold(0.0, f64::max);
+            let mut share = -(LONGEST_TURN / turn).min(1.0);
+            let mut next = self.stepped(&pose, &step, share);
+            for _ in 0..MOST_HALVINGS {
+                if self.energy(&next) < energy {
+                    break;
+                }
+                share *= 0.5;
+                next = self.stepped(&pose, &step, share);
+            }
+            let (before, after) = (energy, self.energy(&next));
+            if after >= before {
+                break;
+            }
+            (pose, energy) = (next, after);
+            if before - after < REST * before {
+                break;
+            }
+        }
+        Ok(pose)
+    }
+
+    fn stepped(&self, pose: &[Isometry3<f64>], step: &[f64], share: f64) -> Vec<Isometry3<f64>> {
+        let bones = pose.iter().zip(&self.centres).zip(step.chunks(6));
+        let stepped = bones.map(|((motion, centre), step)| {
+            let step = Vector6::from_column_slice(step) * share;
+            let turn = UnitQuaternion::from_scaled_axis(step.fixed_rows::<3>(3).into_owned());
+            let mut motion = turned_about(motion, &moved(motion, centre), turn);
+            motion.translation.vector += step.fixed_rows::<3>(0);
+            motion
+        });
+        stepped.collect()
+    }
+
+    fn energy(&self, pose: &[Isometry3<f64>]) -> f64 {
+        let of = |s: &Springs| s.elongation.component_mul(&s.elongation).dot(&s.weights) / 2.0;
+        self.springs(pose).iter().map(of).sum()
+    }
+
+    /// First derivative of the energy in the bones' twists, and Gauss and Newton's matrix.
+    fn gradient_and_matrix(
+        &self,
+        pattern: &BlockPattern,
+        pose: &[Isometry3<f64>],
+    ) -> (Vec<f64>, BlockMatrix) {
+        let mut gradient = vec![0.0; pattern.size()];
+        let mut values = vec![0.0; pattern.row_idx.len()];
+        let size = self.diagonal;
+        let ridge = RIDGE / (LANDMARK_DISTANCE * size).powi(2);
+        for b in 0..self.centres.len() as u32 {
+            for k in 0..6 {
+                values[pattern.entry(b, b, k, k)] +=
+                    ridge * if k < 3 { 1.0 } else { (LANDMARK_DISTANCE * size).powi(2) };
+            }
+        }
+        for springs in self.springs(pose) {
+            let weighted = Mat3::from_diagonal(&springs.weights);
+            let sides = || springs.bones.iter().zip(&springs.parts);
+            for (&b, part) in sides() {
+                let pull = part.tr_mul(&(weighted * springs.elongation));
+                gradient[6 * b..6 * b + 6].iter_mut().zip(&pull).for_each(|(g, p)| *g += p);
+                for (&c, other) in sides().filter(|(c, _)| **c <= b) {
+                    let block = part.tr_mul(&(weighted * other));
+                    for column in 0..6 {
+                        for row in if b == c { column } else { 0 }..6 {
+                            values[pattern.entry(b as u32, c as u32, row, column)] +=
+                                block[(row, column)];
+                        }
+                    }
+                }
+            }
+        }
+        (gradient, BlockMatrix { values })
+    }
+
+    fn springs(&self, pose: &[Isometry3<f64>]) -> Vec<Springs> {
+        let mut springs: Vec<Springs> =
+            self.landmarks.iter().map(|landmark| self.landmark(landmark, pose)).collect();
+        for (joint, rest) in self.skeleton.joints.iter().zip(&self.rest) {
+            springs.push(self.gap(joint, pose));
+            springs.push(turn(joint, rest, pose));
+        }
+        springs
+    }
+
+    /// How the point `at` goes with a bone's twist.
+    fn carried(&self, bone: usize, at: &Vec3, pose: &[Isometry3<f64>]) -> Matrix3x6<f64> {
+        let mut part = Matrix3x6::zeros();
+        part.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+        let arm = at - moved(&pose[bone], &self.centres[bone]);
+        part.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
+        part
+    }
+
+    fn landmark(&self, landmark: &PlacedLandmark, pose: &[Isometry3<f64>]) -> Springs {
+        let bone = landmark.bone;
+        let at = moved(&pose[bone], &landmark.place(&self.skeleton.points));
+        let weight = landmark.weight / (LANDMARK_DISTANCE * self.diagonal).powi(2);
+        Springs {
+            bones: [bone, bone],
+            parts: [self.carried(bone, &at, pose), Matrix3x6::zeros()],
+            elongation: at - landmark.target,
+            weights: Vec3::repeat(weight),
+        }
+    }
+
+    /// The two sides of a joint come to the same place.
+    fn gap(&self, joint: &Joint, pose: &[Isometry3<f64>]) -> Springs {
+        let (p, c) = (joint.parent, joint.child);
+        let at_parent = moved(&pose[p], &joint.parent_frame.translation.vector);
+        let at_child = moved(&pose[c], &joint.child_frame.translation.vector);
+        Springs {
+            bones: [p, c],
+            parts: [-self.carried(p, &at_parent, pose), self.carried(c, &at_child, pose)],
+            elongation: at_child - at_parent,
+            weights: Vec3::repeat((JOINT_GAP * self.diagonal).powi(-2)),
+        }
+    }
+}
+
+/// A joint turns back to where it was.
+fn turn(joint: &Joint, rest: &Vec3, pose: &[Isometry3<f64>]) -> Springs {
+    let transform = joint.transform(&pose[joint.parent], &pose[joint.child]);
+    let r = rotation_vector(&transform.rotation);
+    let parent = (pose[joint.parent] * joint.parent_frame).rotation;
+    let change = left_jacobian_inverse(&r) * parent.inverse().to_rotation_matrix();
+    let side = |sign: f64| {
+        let mut part = Matrix3x6::zeros();
+        part.fixed_view_mut::<3, 3>(0, 3).copy_from(&(change * sign));
+        part
+    };
+    let range = joint.limits.half_axes(&(r - rest)).map(|e| e.clamp(RANGES[0], RANGES[1]));
+    Springs {
+        bones: [joint.parent, joint.child],
+        parts: [side(-1.0), side(1.0)],
+        elongation: r - rest,
+        weights: range.map(|e| e.powi(-2)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::derivative_check::order_of_convergence;
+    use crate::register::joint_limits::JointLimits;
+    use crate::register::landmarks::Landmark;
+    use crate::register::skeleton::tests::{block, joint_at};
+
+    /// Four blocks in a row, the joint in the middle wide, the others narrow.
+    fn chain() -> Skeleton {
+        let half = Vec3::new(5.0, 2.0, 1.0);
+        let bone = |k: usize| block(Vec3::new(11.0 * k as f64, 0.0, 0.0), half, 3);
+        let joint = |k: usize| {
+            let range = Vec3::repeat(if k == 1 { 1.2 } else { 0.1 });
+            let at = Vec3::new(11.0 * k as f64 + 5.5, 0.0, 0.0);
+            let limits = JointLimits::new(range, range, 0.1).unwrap();
+            joint_at(&format!("joint {k}"), [k, k + 1], at, limits)
+        };
+        let bones = (0..4).map(|k| (format!("bone {k}"), bone(k))).collect();
+        Skeleton::new(bones, (0..3).map(joint).collect()).unwrap()
+    }
+
+    fn landmarks(skeleton: &Skeleton, motions: &[Isometry3<f64>]) -> Vec<PlacedLandmark> {
+        let vertices = [0, 3].map(|b| skeleton.bones[b].vertices.clone());
+        let places = vertices.map(|range| [range.start, range.end - 1].map(|v| skeleton.points[v]));
+        let landmark = |k: usize| {
+            let bone = [0, 3][k / 2];
+            let place = places[k / 2][k % 2];
+            let target = moved(&motions[bone], &place);
+            let landmark = Landmark { bone, place, target, weight: 1.0 };
+            PlacedLandmark::new(skeleton, &landmark).unwrap()
+        };
+        (0..4).map(landmark).collect()
+    }
+
+    #[test]
+    fn the_joint_with_the_widest_range_bends_and_the_bones_between_follow() {
+        let skeleton = chain();
+        let still = Isometry3::identity();
+        let turn = UnitQuaternion::from_scaled_axis(Vec3::new(0.0, 0.0, 0.9));
+        let bend = turned_about(&still, &Vec3::new(16.5, 0.0, 0.0), turn);
+        let away = Isometry3::new(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, -0.1));
+        let truth = [away, away, away * bend, away * bend];
+        let landmarks = landmarks(&skeleton, &truth);
+        let found = LandmarkPose::new(&skeleton, &landmarks, 40.0).solve().unwrap();
+        for (b, bone) in skeleton.bones.iter().enumerate() {
+            for p in &skeleton.points[bone.vertices.clone()] {
+                let off = (moved(&found[b], p) - moved(&truth[b], p)).norm();
+                assert!(off < 0.3, "{b} {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_energy() {
+        let skeleton = chain();
+        let motion = |k: usize| {
+            let (x, y) = (0.1 * k as f64, 0.2 - 0.07 * k as f64);
+            Isometry3::new(Vec3::new(x, y, -x), Vec3::new(y, -x, 0.3 * x))
+        };
+        let pose: Vec<_> = (0..4).map(motion).collect();
+        let landmarks = landmarks(&skeleton, &[Isometry3::translation(0.5, 0.1, -0.2); 4]);
+        let problem = LandmarkPose::new(&skeleton, &landmarks, 40.0);
+        let links: Vec<_> = (0..3).map(|k| (k, k + 1)).collect();
+        let pattern = BlockPattern::of_links(&problem.centres, &links, 6);
+        let (gradient, _) = problem.gradient_and_matrix(&pattern, &pose);
+        let direction: Vec<f64> =
+            (0..24).map(|k| f64::from((7 * k + 3) % 11) / 11.0 - 0.4).collect();
+        let slope: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
+        let order = order_of_convergence(|h| {
+            let [ahead, back] =
+                [h, -h].map(|h| problem.energy(&problem.stepped(&pose, &direction, h)));
+            nalgebra::Vector1::new((ahead - back) / (2.0 * h) / slope - 1.0)
+        });
+        assert!(order > 1.9, "{order}");
+    }
+}
