@@ -5,7 +5,7 @@ use super::spec::Align;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
-use crate::mesh::{SurfaceCheck, TriMesh, bounding_box};
+use crate::mesh::{SurfaceCheck, TriMesh, bounding_box, diagonal};
 use crate::reshape::check_amount;
 
 /// Markers and template whose sizes differ by more than this do not have the same unit.
@@ -107,10 +107,6 @@ fn surface_warnings(surface: &TriMesh, name: &str) -> Vec<String> {
         ));
     }
     warnings
-}
-
-fn diagonal(points: &[Vec3]) -> f64 {
-    bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm())
 }
 
 fn check_units(surface: &TriMesh, markers: &[Vec3]) -> Result<()> {

@@ -9,7 +9,7 @@ use crate::io::skeleton::{
 };
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
-use crate::mesh::{TriMesh, bounding_box};
+use crate::mesh::{TriMesh, diagonal};
 use crate::register::{Coordinate, Joint, JointLimits, Limits, Skeleton};
 
 /// Shift limit of a joint that gives none, as a share of the skeleton's diagonal.
@@ -20,7 +20,7 @@ const GAP_SAMPLES: usize = 2000;
 /// Builds the skeleton from its document and the surface of each bone, in the document's order.
 pub fn build_skeleton(document: &SkeletonDocument, meshes: Vec<TriMesh>) -> Result<Skeleton> {
     let points: Vec<Vec3> = meshes.iter().flat_map(|m| m.points.iter().copied()).collect();
-    let diagonal = bounding_box(&points).map_or(0.0, |(low, high)| (high - low).norm());
+    let diagonal = diagonal(&points);
     let mut joints = Vec::new();
     for entry in &document.joints {
         let bone = |name: &str| {

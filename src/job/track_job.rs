@@ -87,8 +87,7 @@ pub(super) fn relative_reach(
     reach: &[f64],
     skeleton: &crate::register::Skeleton,
 ) -> Result<[f64; 2]> {
-    let (low, high) = crate::mesh::bounding_box(&skeleton.points).unwrap_or_default();
-    let diagonal = (high - low).norm();
+    let diagonal = crate::mesh::diagonal(&skeleton.points);
     match reach {
         [first, last] if [first, last].iter().all(|r| r.is_finite() && **r > 0.0) => {
             Ok([first / diagonal, last / diagonal])

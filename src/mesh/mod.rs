@@ -12,4 +12,4 @@ pub use quality::TetQuality;
 pub use section::plane_section;
 pub use surface::{SurfaceCheck, boundary_triangles};
 pub use tet_mesh::{TetMesh, signed_volume};
-pub use tri_mesh::{TriMesh, bounding_box};
+pub use tri_mesh::{TriMesh, bounding_box, diagonal};

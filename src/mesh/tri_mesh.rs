@@ -35,7 +35,7 @@ impl TriMesh {
 
     /// Length of the bounding box's diagonal; 0 without points.
     pub fn diagonal(&self) -> f64 {
-        bounding_box(&self.points).map_or(0.0, |(low, high)| (high - low).norm())
+        diagonal(&self.points)
     }
 
     /// Signed volume enclosed (exact for closed surfaces; positive when normals point outwards).
@@ -60,6 +60,11 @@ impl TriMesh {
 pub fn bounding_box(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
     let first = *points.first()?;
     Some(points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p))))
+}
+
+/// Length of the diagonal of the box around `points`; 0 without points.
+pub fn diagonal(points: &[Vec3]) -> f64 {
+    bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm())
 }
 
 /// Fails on the first point with a coordinate that is not a finite number.

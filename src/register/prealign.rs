@@ -16,7 +16,7 @@ use super::surface::SearchedSurface;
 use super::target::Target;
 use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::{Mat3, Vec3};
-use crate::mesh::bounding_box;
+use crate::mesh::diagonal;
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 
 /// Vertices of each side at most, about.
@@ -58,7 +58,7 @@ pub(super) fn rigid_starts(
     let whole = Alignment::new(template, areas, surface);
     let mut found = whole.best(areas);
     // Something far away may not belong to the bones: is the rest found better without it?
-    let diagonal = bounding_box(&template.points).map_or(0.0, |(low, high)| (high - low).norm());
+    let diagonal = diagonal(&template.points);
     if let Some(main) = main_part(surface, diagonal) {
         let others = Alignment::new(template, areas, &main).best(areas);
         let near = |motions: &[Isometry3<f64>]| {

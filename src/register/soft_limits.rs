@@ -10,7 +10,7 @@ use super::levels::Level;
 use super::pose::{limit_state, rigid_targets};
 use super::registration::{Registration, State};
 use super::skeleton::Joint;
-use crate::mesh::bounding_box;
+use crate::mesh::diagonal;
 
 /// How much further a joint may go where its data insist: degrees, and a share of the smaller bone's size.
 const SLACK: [f64; 2] = [10.0, 0.04];
@@ -49,12 +49,8 @@ impl Registration {
 
     /// The template's size of the smaller bone at a joint.
     fn smaller_size(&self, joint: &Joint) -> f64 {
-        let size = |b: usize| {
-            let vertices = self.template.bones[b].vertices.clone();
-            let (low, high) = bounding_box(&self.template.points[vertices])?;
-            Some((high - low).norm())
-        };
-        let sizes = [joint.parent, joint.child].map(|b| size(b).unwrap_or(0.0));
-        sizes[0].min(sizes[1])
+        let size =
+            |b: usize| diagonal(&self.template.points[self.template.bones[b].vertices.clone()]);
+        size(joint.parent).min(size(joint.child))
     }
 }

@@ -11,7 +11,7 @@ use super::sampled_clusters::SampledClusters;
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
-use crate::mesh::{TriMesh, bounding_box};
+use crate::mesh::{TriMesh, bounding_box, diagonal};
 
 /// Rounds for each cluster size at most.
 const MAX_ROUNDS: usize = 60;
@@ -67,7 +67,7 @@ fn settle(
     masses: &[f64],
     bones_after: &[Vec3],
 ) {
-    let size = bounding_box(reference).map_or(0.0, |(low, high)| (high - low).norm());
+    let size = diagonal(reference);
     let soft = bones_after.len()..reference.len();
     for _ in 0..MAX_ROUNDS {
         let mut next = clusters.apply(reference, wanted, masses);
