@@ -5,12 +5,12 @@
 //! rigid motions of all bones, solved by Gauss and Newton's method. Bones without a landmark of their own
 //! go where those around them take them.
 
-use nalgebra::{Isometry3, Matrix3x6, UnitQuaternion, Vector6};
+use nalgebra::{Isometry3, Matrix3x6};
 
 use super::landmarks::PlacedLandmark;
 use super::pose::moved;
-use super::pose_rows::left_jacobian_inverse;
-use super::rotation::{rotation_vector, turned_about};
+use super::pose_rows::{LONGEST_TURN, Twist, bent, carried, twisted};
+use super::rotation::rotation_vector;
 use super::skeleton::{Joint, Skeleton};
 use crate::error::Result;
 use crate::math::{Mat3, Vec3};
@@ -24,10 +24,8 @@ const JOINT_GAP: f64 = 0.0005;
 const RANGES: [f64; 2] = [0.05, 1.5];
 /// What holds a bone where nothing else does, against a landmark.
 const RIDGE: f64 = 1e-6;
-/// A turn of a bone in one step is held below this, radians.
-const LONGEST_TURN: f64 = 0.5;
 const MOST_STEPS: usize = 60;
-const MOST_HALVINGS: usize = 8;
+const MOST_HALVINGS: i32 = 8;
 /// At rest when a step saves less than this share.
 const REST: f64 = 1e-6;
 
@@ -80,20 +78,16 @@ impl<'a> LandmarkPose<'a> {
             symbolic.factor(&matrix)?.solve(&mut step);
             let turn =
                 step.chunks(6).map(|s| Vec3::new(s[3], s[4], s[5]).norm()).fold(0.0, f64::max);
-            let mut share = -(LONGEST_TURN / turn).min(1.0);
-            let mut next = self.stepped(&pose, &step, share);
-            for _ in 0..MOST_HALVINGS {
-                if self.energy(&next) < energy {
-                    break;
-                }
-                share *= 0.5;
-                next = self.stepped(&pose, &step, share);
-            }
-            let (before, after) = (energy, self.energy(&next));
-            if after >= before {
+            let longest = -(LONGEST_TURN / turn).min(1.0);
+            let mut tried = (0..=MOST_HALVINGS).map(|halvings| {
+                let next = self.stepped(&pose, &step, longest * 0.5_f64.powi(halvings));
+                (self.energy(&next), next)
+            });
+            let Some((after, next)) = tried.find(|(after, _)| *after < energy) else {
                 break;
-            }
-            (pose, energy) = (next, after);
+            };
+            let before = std::mem::replace(&mut energy, after);
+            pose = next;
             if before - after < REST * before {
                 break;
             }
@@ -104,11 +98,7 @@ impl<'a> LandmarkPose<'a> {
     fn stepped(&self, pose: &[Isometry3<f64>], step: &[f64], share: f64) -> Vec<Isometry3<f64>> {
         let bones = pose.iter().zip(&self.centres).zip(step.chunks(6));
         let stepped = bones.map(|((motion, centre), step)| {
-            let step = Vector6::from_column_slice(step) * share;
-            let turn = UnitQuaternion::from_scaled_axis(step.fixed_rows::<3>(3).into_owned());
-            let mut motion = turned_about(motion, &moved(motion, centre), turn);
-            motion.translation.vector += step.fixed_rows::<3>(0);
-            motion
+            twisted(motion, centre, &(Twist::from_column_slice(step) * share))
         });
         stepped.collect()
     }
@@ -126,12 +116,10 @@ impl<'a> LandmarkPose<'a> {
     ) -> (Vec<f64>, BlockMatrix) {
         let mut gradient = vec![0.0; pattern.size()];
         let mut values = vec![0.0; pattern.row_idx.len()];
-        let size = self.diagonal;
-        let ridge = RIDGE / (LANDMARK_DISTANCE * size).powi(2);
+        let against_shift = RIDGE / (LANDMARK_DISTANCE * self.diagonal).powi(2);
         for b in 0..self.centres.len() as u32 {
             for k in 0..6 {
-                values[pattern.entry(b, b, k, k)] +=
-                    ridge * if k < 3 { 1.0 } else { (LANDMARK_DISTANCE * size).powi(2) };
+                values[pattern.entry(b, b, k, k)] += if k < 3 { against_shift } else { RIDGE };
             }
         }
         for springs in self.springs(pose) {
@@ -166,11 +154,7 @@ impl<'a> LandmarkPose<'a> {
 
     /// How the point `at` goes with a bone's twist.
     fn carried(&self, bone: usize, at: &Vec3, pose: &[Isometry3<f64>]) -> Matrix3x6<f64> {
-        let mut part = Matrix3x6::zeros();
-        part.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
-        let arm = at - moved(&pose[bone], &self.centres[bone]);
-        part.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
-        part
+        carried(at, &moved(&pose[bone], &self.centres[bone]))
     }
 
     fn landmark(&self, landmark: &PlacedLandmark, pose: &[Isometry3<f64>]) -> Springs {
@@ -204,16 +188,10 @@ fn turn(joint: &Joint, rest: &Vec3, pose: &[Isometry3<f64>]) -> Springs {
     let transform = joint.transform(&pose[joint.parent], &pose[joint.child]);
     let r = rotation_vector(&transform.rotation);
     let parent = (pose[joint.parent] * joint.parent_frame).rotation;
-    let change = left_jacobian_inverse(&r) * parent.inverse().to_rotation_matrix();
-    let side = |sign: f64| {
-        let mut part = Matrix3x6::zeros();
-        part.fixed_view_mut::<3, 3>(0, 3).copy_from(&(change * sign));
-        part
-    };
     let range = joint.limits.half_axes(&(r - rest)).map(|e| e.clamp(RANGES[0], RANGES[1]));
     Springs {
         bones: [joint.parent, joint.child],
-        parts: [side(-1.0), side(1.0)],
+        parts: bent(&r, &parent),
         elongation: r - rest,
         weights: range.map(|e| e.powi(-2)),
     }
@@ -221,10 +199,13 @@ fn turn(joint: &Joint, rest: &Vec3, pose: &[Isometry3<f64>]) -> Springs {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::UnitQuaternion;
+
     use super::*;
     use crate::math::derivative_check::order_of_convergence;
     use crate::register::joint_limits::JointLimits;
     use crate::register::landmarks::Landmark;
+    use crate::register::rotation::turned_about;
     use crate::register::skeleton::tests::{block, joint_at};
 
     /// Four blocks in a row, the joint in the middle wide, the others narrow.

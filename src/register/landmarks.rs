@@ -11,13 +11,13 @@ use nalgebra::{Isometry3, SymmetricEigen};
 
 use super::areas::vertex_areas;
 use super::pairs::{Pair, Side};
-use super::pose::moved;
+use super::pose::{BoneMoments, moved};
 use super::rotation::PairSums;
 use super::skeleton::Skeleton;
 use super::target::Target;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
-use crate::math::{Mat3, Vec3};
+use crate::math::Vec3;
 
 /// A landmark further from its bone than this share of the bone's size is a mistake.
 const OFF_BONE: f64 = 0.1;
@@ -143,14 +143,13 @@ pub(super) fn rigid_motion(
         return None;
     }
     let places: Vec<Vec3> = landmarks.iter().map(|l| l.place(points)).collect();
-    let centre = places.iter().sum::<Vec3>() / places.len() as f64;
-    let spread: Mat3 = places.iter().map(|p| (p - centre) * (p - centre).transpose()).sum();
-    let mut sizes = SymmetricEigen::new(spread / places.len() as f64).eigenvalues;
+    let moments = BoneMoments::new(&places, &vec![1.0; places.len()]);
+    let mut sizes = SymmetricEigen::new(moments.spread / moments.mass).eigenvalues;
     sizes.as_mut_slice().sort_by(f64::total_cmp);
     if sizes[1] <= (SPREAD * diagonal).powi(2) {
         return None;
     }
-    let mut sums = PairSums::new(centre);
+    let mut sums = PairSums::new(moments.centre);
     for (landmark, place) in landmarks.iter().zip(&places) {
         sums.add(place, &landmark.target, landmark.weight);
     }

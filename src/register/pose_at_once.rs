@@ -5,16 +5,13 @@
 //! quadratic programming follow: the limits are linearised, with their curvature in the quadratic
 //! model, and the least movement of all bones' vertices that meets them is found at once.
 
-use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion};
+use nalgebra::{DMatrix, DVector, Isometry3};
 
 use super::pose::{BoneMoments, ProjectedPose, is_valid, limit_state, moved, project_pose};
-use super::pose_rows::{Row, Twist, rows, twist};
-use super::rotation::turned_about;
+use super::pose_rows::{LONGEST_TURN, Row, Twist, rows, twist, twisted};
 use super::skeleton::{Joint, Skeleton};
 use crate::math::{Mat3, Vec3};
 
-/// A turn of a bone in one step is held below this, radians.
-const LONGEST_TURN: f64 = 0.5;
 /// At rest when no bone's step moves its vertices by more than this share of its size.
 const REST: f64 = 1e-7;
 /// Changes of the set of limits in force in one step at most.
@@ -88,9 +85,7 @@ fn move_bones(pose: &mut [Isometry3<f64>], twists: &[Twist], moments: &[BoneMome
         let (shift, turn) = (twist.fixed_rows::<3>(0) * share, twist.fixed_rows::<3>(3) * share);
         let size = if m.mass > 0.0 { (m.spread.trace() / m.mass).sqrt() } else { 0.0 };
         resting &= shift.norm() + turn.norm() * size <= REST * size.max(f64::MIN_POSITIVE);
-        let centre = moved(motion, &m.centre);
-        *motion = turned_about(motion, &centre, UnitQuaternion::from_scaled_axis(turn));
-        motion.translation.vector += shift;
+        *motion = twisted(motion, &m.centre, &(twist * share));
     }
     resting
 }

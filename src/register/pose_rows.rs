@@ -1,11 +1,14 @@
-//! The limits of one joint, linearised in the small motions of its two bones.
+//! Small motions of bones (twists), and the limits of one joint linearised in those of its two bones.
 
-use nalgebra::{Isometry3, Matrix3x6, Vector6};
+use nalgebra::{Isometry3, Matrix3x6, UnitQuaternion, Vector6};
 
 use super::pose::moved;
-use super::rotation::rotation_vector;
+use super::rotation::{rotation_vector, turned_about};
 use super::skeleton::Joint;
 use crate::math::{Mat3, Vec3};
+
+/// A turn of a bone in one step is held below this, radians.
+pub(super) const LONGEST_TURN: f64 = 0.5;
 
 /// Shift of a bone, and its turn about its centre of mass.
 pub(super) type Twist = Vector6<f64>;
@@ -58,14 +61,7 @@ fn shift_rows(joint: &Joint, pose: &[Isometry3<f64>], centres: &[Vec3], rows: &m
         moved(&pose[joint.child], &joint.child_frame.translation.vector),
     ];
     let gap = at[0] - at[1];
-    let side = |bone: usize, at: Vec3, sign: f64| {
-        let mut motion = Matrix3x6::zeros();
-        motion.fixed_view_mut::<3, 3>(0, 0).copy_from(&(Mat3::identity() * sign));
-        let arm = (at - centres[bone]).cross_matrix() * -sign;
-        motion.fixed_view_mut::<3, 3>(0, 3).copy_from(&arm);
-        motion
-    };
-    let motion = [side(joint.parent, at[0], 1.0), side(joint.child, at[1], -1.0)];
+    let motion = [carried(&at[0], &centres[joint.parent]), -carried(&at[1], &centres[joint.child])];
     if limit <= 0.0 {
         for k in 0..3 {
             let equal = row(joint, &motion, (Vec3::ith(k, 1.0), -gap[k]), None);
@@ -85,13 +81,7 @@ fn turn_rows(joint: &Joint, pose: &[Isometry3<f64>], rows: &mut Vec<Row>) {
     let parent = pose[joint.parent].rotation * joint.parent_frame.rotation;
     let child = pose[joint.child].rotation * joint.child_frame.rotation;
     let r = joint.limits.nearer_vector(&rotation_vector(&(parent.inverse() * child)));
-    let change = left_jacobian_inverse(&r) * parent.inverse().to_rotation_matrix();
-    let side = |sign: f64| {
-        let mut motion = Matrix3x6::zeros();
-        motion.fixed_view_mut::<3, 3>(0, 3).copy_from(&(change * sign));
-        motion
-    };
-    let motion = [side(-1.0), side(1.0)];
+    let motion = bent(&r, &parent);
     let (negative, positive) = (joint.limits.negative, joint.limits.positive);
     for k in 0..3 {
         let axis = Vec3::ith(k, 1.0);
@@ -121,8 +111,33 @@ fn turn_rows(joint: &Joint, pose: &[Isometry3<f64>], rows: &mut Vec<Row>) {
     }
 }
 
+/// A bone after a twist about its centre, which lies at `centre` before all motions.
+pub(super) fn twisted(motion: &Isometry3<f64>, centre: &Vec3, twist: &Twist) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(twist.fixed_rows::<3>(3).into_owned());
+    let mut twisted = turned_about(motion, &moved(motion, centre), turn);
+    twisted.translation.vector += twist.fixed_rows::<3>(0);
+    twisted
+}
+
+/// How a bone's twist about `centre` moves the point `at`.
+pub(super) fn carried(at: &Vec3, centre: &Vec3) -> Matrix3x6<f64> {
+    let mut motion = Matrix3x6::zeros();
+    motion.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
+    motion.fixed_view_mut::<3, 3>(0, 3).copy_from(&-(at - centre).cross_matrix());
+    motion
+}
+
+/// How the twists of parent and child change a joint's rotation vector `r`; `parent` turns its frame on
+/// the parent into the world.
+pub(super) fn bent(r: &Vec3, parent: &UnitQuaternion<f64>) -> [Matrix3x6<f64>; 2] {
+    let mut motion = Matrix3x6::zeros();
+    let change = left_jacobian_inverse(r) * parent.inverse().to_rotation_matrix();
+    motion.fixed_view_mut::<3, 3>(0, 3).copy_from(&change);
+    [-motion, motion]
+}
+
 /// d r / d w for exp(r') = exp(w) exp(r).
-pub(super) fn left_jacobian_inverse(r: &Vec3) -> Mat3 {
+fn left_jacobian_inverse(r: &Vec3) -> Mat3 {
     let angle = r.norm();
     let cross = r.cross_matrix();
     let second = if angle < 1e-4 {
