@@ -1,6 +1,8 @@
 //! Landmarks of a skeleton in files: named as their bones or lying on them, and what is said of them.
 #![allow(clippy::unwrap_used)]
 
+mod hands;
+
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -91,8 +93,7 @@ fn a_hand_follows_its_landmarks_and_the_report_says_how_far_they_end_off() {
     assert!(landmarks.iter().all(|l| l.name == l.bone && l.distance < 0.5), "{landmarks:?}");
     let truth = read_surface(&hand().join("target_surface.ply")).unwrap().mesh().unwrap().points;
     let found = &result.registered.skeleton.points;
-    let squares: f64 = found.iter().zip(&truth).map(|(p, q)| (p - q).norm_squared()).sum();
-    let rms = (squares / truth.len() as f64).sqrt();
+    let rms = hands::vertex_error(found, &truth);
     assert!(rms < 0.2, "{rms}");
     let page = std::fs::read_to_string(folder.path().join("report/report.html")).unwrap();
     assert!(page.contains("<h2>Landmarks</h2>") && page.contains("<td>thumbdist"));

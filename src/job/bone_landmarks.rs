@@ -1,5 +1,6 @@
 //! Landmarks of a skeleton from marker files.
 
+use std::cell::LazyCell;
 use std::path::PathBuf;
 
 use super::inputs::read_landmark_files;
@@ -26,9 +27,15 @@ pub struct BoneLandmarks {
 pub fn read_bone_landmarks(files: &[PathBuf], skeleton: &Skeleton) -> Result<BoneLandmarks> {
     let (list, warning) = read_landmark_files(files)?;
     let mut found = BoneLandmarks { warning, ..BoneLandmarks::default() };
+    let search = LazyCell::new(|| ClosestPoints::new(&skeleton.points, &skeleton.triangles));
+    let nearest_bone = |position: &Vec3| {
+        let found = search.closest(position)?;
+        let vertex = skeleton.triangles[found.triangle as usize][0];
+        skeleton.bones.iter().position(|bone| bone.vertices.contains(&(vertex as usize)))
+    };
     for (k, landmark) in list.into_iter().enumerate() {
         let name = landmark.label.clone().unwrap_or_else(|| k.to_string());
-        let (bone, place) = place(&landmark, &name, skeleton)?;
+        let (bone, place) = place(&landmark, &name, skeleton, nearest_bone)?;
         let (target, weight) = (landmark.target, landmark.weight.unwrap_or(1.0));
         let landmark_on_bone = Landmark { bone, place, target, weight };
         landmark_on_bone.check(skeleton).map_err(|e| {
@@ -42,21 +49,19 @@ pub fn read_bone_landmarks(files: &[PathBuf], skeleton: &Skeleton) -> Result<Bon
 }
 
 /// The bone and the place on it.
-fn place(landmark: &io::Landmark, name: &str, skeleton: &Skeleton) -> Result<(usize, Vec3)> {
+fn place(
+    landmark: &io::Landmark,
+    name: &str,
+    skeleton: &Skeleton,
+    nearest_bone: impl Fn(&Vec3) -> Option<usize>,
+) -> Result<(usize, Vec3)> {
     let anchor = &landmark.anchor;
     match (bone_named(name, skeleton), anchor.position) {
         (Some(bone), _) => {
             let surface = skeleton.bone_surface(bone, &skeleton.points);
             Ok((bone, anchor.resolve(&surface)?.position))
         }
-        (None, Some(position)) => {
-            let nearest = ClosestPoints::new(&skeleton.points, &skeleton.triangles);
-            let bone = nearest.closest(&position).map_or(0, |found| {
-                let vertex = skeleton.triangles[found.triangle as usize][0];
-                skeleton.bone_of_vertex()[vertex as usize] as usize
-            });
-            Ok((bone, position))
-        }
+        (None, Some(position)) => Ok((nearest_bone(&position).unwrap_or(0), position)),
         (None, None) => {
             let (path, line) = &anchor.source;
             let what = format!(

@@ -188,8 +188,7 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     let started = Instant::now();
     let registered = registration.register(&target, run)?;
     let seconds = started.elapsed().as_secs_f64();
-    let mut report = RegisterReport::new(job, &files, &registered, [prepared, seconds]);
-    report.take_landmarks(&landmarks, &files.skeleton, &registered.landmarks);
+    let mut report = RegisterReport::new(job, &files, &landmarks, &registered, [prepared, seconds]);
     report.warnings.splice(0..0, notes);
     run.enter("writing", 0.97);
     if let Some(folder) = &job.out {

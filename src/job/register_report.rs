@@ -130,6 +130,7 @@ impl RegisterReport {
     pub(super) fn new(
         job: &RegisterJob,
         files: &SkeletonFiles,
+        landmarks: &BoneLandmarks,
         found: &Registered,
         [prepare_seconds, seconds]: [f64; 2],
     ) -> Self {
@@ -152,25 +153,11 @@ impl RegisterReport {
             cancelled: found.cancelled,
             bones: found.bones.clone(),
             joints: found.joints.clone(),
-            landmarks: Vec::new(),
+            landmarks: landmark_summaries(landmarks, &files.skeleton, &found.landmarks),
             levels: found.levels.clone(),
             warnings: warnings(&files.skeleton, found),
             written: Vec::new(),
         }
-    }
-
-    pub(super) fn take_landmarks(
-        &mut self,
-        landmarks: &BoneLandmarks,
-        skeleton: &Skeleton,
-        distances: &[f64],
-    ) {
-        let named = landmarks.names.iter().zip(&landmarks.landmarks).zip(distances);
-        let summary = |((name, landmark), distance): ((&String, &Landmark), &f64)| {
-            let bone = skeleton.bones[landmark.bone].name.clone();
-            LandmarkSummary { name: name.clone(), bone, distance: *distance }
-        };
-        self.landmarks = named.map(summary).collect();
     }
 
     /// Mean residual of all bones, weighted equally.
@@ -310,6 +297,19 @@ impl RegisterReport {
         }
         html.push_str("</table>");
     }
+}
+
+fn landmark_summaries(
+    landmarks: &BoneLandmarks,
+    skeleton: &Skeleton,
+    distances: &[f64],
+) -> Vec<LandmarkSummary> {
+    let named = landmarks.names.iter().zip(&landmarks.landmarks).zip(distances);
+    let summary = |((name, landmark), distance): ((&String, &Landmark), &f64)| {
+        let bone = skeleton.bones[landmark.bone].name.clone();
+        LandmarkSummary { name: name.clone(), bone, distance: *distance }
+    };
+    named.map(summary).collect()
 }
 
 /// A colour for each vertex, by its bone.
