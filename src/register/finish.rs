@@ -22,7 +22,7 @@ impl Registration {
         levels: Vec<LevelTrace>,
         cancelled: bool,
     ) -> Registered {
-        let State { mut reference, points, scales, coefficients } = state;
+        let State { mut reference, points, scales, coefficients, .. } = state;
         let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
         take_shape(&mut reference, placed, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones

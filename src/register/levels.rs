@@ -18,6 +18,12 @@ const EARLY_PULL: f64 = 3.0;
 /// open the next level closes. 3 saves a quarter of the iterations; with 6 one hand in fifteen went wrong.
 const EARLY_TOLERANCE: f64 = 3.0;
 
+/// Updates on each level on which the joints are springs: the next one goes on from there.
+const SPRING_UPDATES: usize = 10;
+
+/// Levels after which bones that lie on their neighbours are looked for.
+const REPAIRED_LEVELS: usize = 2;
+
 /// Pairs shorter than this share of the template's diagonal do no harm, whosever they are.
 const NEAR: f64 = 0.0003;
 
@@ -35,6 +41,13 @@ pub(super) struct Level {
     pub(super) spacing: f64,
     /// What counts as rest, against the options' tolerance.
     pub(super) tolerance_factor: f64,
+    /// Updates at most.
+    pub(super) most_updates: usize,
+    /// The joints are springs, not walls, see [`Options::springs`](super::options::Options::springs).
+    pub(super) springs: Option<f64>,
+    /// Bones that lie on their neighbours are looked for after it; on finer levels the elastic shape hides
+    /// them.
+    pub(super) repaired: bool,
 }
 
 impl Registration {
@@ -76,8 +89,20 @@ impl Registration {
             }
             level.rules.reach = self.image_reach(k, count);
             level.rules.landmark_radius = if level.bones_apart { 0.0 } else { level.radius };
+            level.repaired = k < REPAIRED_LEVELS && self.options.use_joints;
         }
-        Ok(levels)
+        Ok(self.spring_levels(&levels[0]).chain(levels.iter().cloned()).collect())
+    }
+
+    /// The levels on which the joints are springs, otherwise like the first one.
+    fn spring_levels<'a>(&'a self, first: &'a Level) -> impl Iterator<Item = Level> + 'a {
+        let springs = self.options.springs.iter().filter(|_| self.options.use_joints);
+        springs.map(|&softness| Level {
+            most_updates: SPRING_UPDATES.min(first.most_updates),
+            springs: Some(softness),
+            repaired: false,
+            ..first.clone()
+        })
     }
 
     /// How far images are searched at level `k` of `count`: from the first to the last value in even
@@ -140,13 +165,18 @@ impl Registration {
             bones_apart,
             spacing,
             tolerance_factor: 1.0,
+            most_updates: self.options.max_iterations,
+            springs: None,
+            repaired: false,
         })
     }
 }
 
 impl Level {
     pub(super) fn name(&self) -> String {
-        if self.radius.is_infinite() {
+        if let Some(softness) = self.springs {
+            format!("bones on springs, {:.1} % soft", 100.0 * softness)
+        } else if self.radius.is_infinite() {
             "bones as rigid bodies".into()
         } else {
             format!("clusters of radius {:.3}", self.radius)

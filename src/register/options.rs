@@ -74,6 +74,10 @@ pub struct Options {
     /// Share of its last movement along the surface that a vertex is asked to make again, 0 to 1
     /// (surfaces only).
     pub momentum: f64,
+    /// Levels before the first, on which the joints are springs (surfaces of all bones together only): the
+    /// distance of a bone from its data, as a share of the template's diagonal, that counts as much as a
+    /// joint turned by its whole range. Empty = none, as published.
+    pub springs: Vec<f64>,
     /// Sweeps over the joints in each iteration.
     pub joint_sweeps: usize,
     /// Pairs with a smaller cosine of their normals are dropped before the last level.
@@ -123,6 +127,7 @@ impl Default for Options {
             tolerance: 1.5e-4,
             max_iterations: 30,
             momentum: 0.8,
+            springs: vec![0.04, 0.02, 0.01, 0.005],
             joint_sweeps: 10,
             min_cosine: -0.2,
             last_min_cosine: 0.3,
@@ -149,6 +154,7 @@ impl Options {
             schedule: Schedule::AfterElastic,
             refine_bones: false,
             momentum: 0.0,
+            springs: Vec::new(),
             min_cosine: -1.0,
             taken_factor: 0.0,
             pair_spacing: 0.0,

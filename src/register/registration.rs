@@ -16,6 +16,7 @@ use super::pairs::PairRules;
 use super::pieces::without_far_parts;
 use super::shape_model::ShapeModel;
 use super::skeleton::Skeleton;
+use super::spring_pose::joint_turns;
 use super::start::START_SPACING;
 use super::summary::{LevelTrace, Registered};
 use super::target::Target;
@@ -27,9 +28,6 @@ use crate::run::Run;
 /// Weight of a vertex without a pair against one with a pair of the same area: it holds its place
 /// only where nothing else does.
 pub(super) const UNSEEN_WEIGHT: f64 = 1e-6;
-/// Levels after which bones that lie on their neighbours are looked for; on finer ones the elastic
-/// shape hides them.
-const REPAIRED_LEVELS: usize = 2;
 
 /// A template prepared for registration to many targets.
 #[derive(Clone, Debug)]
@@ -54,6 +52,8 @@ pub(super) struct State {
     pub(super) reference: Skeleton,
     /// The deformed points.
     pub(super) points: Vec<Vec3>,
+    /// The joints' rotation vectors where the level began.
+    pub(super) rest: Vec<Vec3>,
     pub(super) scales: Vec<Vec3>,
     /// Coefficients of the shape model, in standard deviations.
     pub(super) coefficients: Vec<f64>,
@@ -63,7 +63,8 @@ impl State {
     /// Everything where `reference` lies, of its size.
     pub(super) fn at(reference: Skeleton) -> Self {
         let scales = vec![Vec3::repeat(1.0); reference.bones.len()];
-        Self { points: reference.points.clone(), reference, scales, coefficients: Vec::new() }
+        let (points, rest) = (reference.points.clone(), Vec::new());
+        Self { reference, points, rest, scales, coefficients: Vec::new() }
     }
 }
 
@@ -159,17 +160,17 @@ impl Registration {
             search_coarse = self.search(target, START_SPACING * self.diagonal);
         }
         let mut trace = Vec::new();
-        for (k, level) in self.levels.iter().enumerate() {
+        let levels = self.levels_for(target);
+        for (k, level) in levels.iter().enumerate() {
             if run.is_cancelled() {
                 break;
             }
-            let share = |k: usize| 0.15 + 0.8 * k as f64 / self.levels.len() as f64;
-            attempt.enter(run, &level.name(), share(k));
+            attempt.enter(run, &level.name(), 0.15 + 0.8 * k as f64 / levels.len() as f64);
             let mut search =
                 search_coarse.resampled(&self.template.points, &self.areas, level.spacing);
-            let most = self.options.max_iterations;
+            let most = level.most_updates;
             trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
-            if k < REPAIRED_LEVELS && self.options.use_joints && target.image.is_none() {
+            if level.repaired && target.image.is_none() {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
         }
@@ -179,6 +180,12 @@ impl Registration {
 
     pub(super) fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
         Correspond::new(&self.template, &self.areas, target, spacing)
+    }
+
+    /// The levels of a run: where nothing can be taken for its neighbour, none with springs.
+    fn levels_for(&self, target: &Target) -> Vec<&Level> {
+        let confused = !target.is_labelled() && target.image.is_none();
+        self.levels.iter().filter(|level| confused || level.springs.is_none()).collect()
     }
 
     pub(super) fn run_level(
@@ -197,6 +204,7 @@ impl Registration {
         let mut before_last = state.points.clone();
         let mut elastic_left = self.options.max_iterations;
         self.limit_joints(level, state);
+        state.rest = joint_turns(&state.reference);
         while trace.updates < most_updates && !run.is_cancelled() {
             let mut pairs = search.at(&state.points, &rules);
             if !search.in_image() {

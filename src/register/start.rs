@@ -4,17 +4,20 @@ use nalgebra::Isometry3;
 
 use super::attempts::Attempt;
 use super::correspond::Correspond;
-use super::landmark_pose::LandmarkPose;
-use super::landmarks::{rigid_motion, rms_after};
+use super::landmarks::{PlacedLandmark, rigid_motion, rms_after};
 use super::levels::Level;
 use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_starts;
 use super::registration::{Registration, State};
 use super::skeleton::Skeleton;
+use super::spring_pose::{Pull, SpringPose, joint_turns};
 use super::target::Target;
 use crate::math::median;
 use crate::run::Run;
 
+/// Distance of a landmark that counts as much as a joint turned by its whole range, as a share of the
+/// template's diagonal.
+const LANDMARK_DISTANCE: f64 = 0.005;
 /// Updates that tell a good starting pose from a bad one.
 const START_UPDATES: usize = 10;
 /// A pose replaces another only when the pairs' distance falls to this share,
@@ -83,7 +86,14 @@ impl Registration {
         if landmarks.is_empty() || !self.options.use_joints {
             return skeleton;
         }
-        let found = LandmarkPose::new(&skeleton, landmarks, self.diagonal).solve();
+        let pull = |landmark: &PlacedLandmark| Pull {
+            bone: landmark.bone,
+            place: landmark.place(&skeleton.points),
+            goal: landmark.target,
+            weight: landmark.weight / (LANDMARK_DISTANCE * self.diagonal).powi(2),
+        };
+        let (rest, pulls) = (joint_turns(&skeleton), landmarks.iter().map(pull).collect());
+        let found = SpringPose::new(&skeleton, self.diagonal, &rest, pulls).solve();
         if let Ok(motions) = found {
             skeleton.move_bones(&motions);
         }
@@ -121,7 +131,7 @@ impl Registration {
             let mut distance = 0.0;
             if starts.len() > 1 {
                 distance = self
-                    .run_level(&self.levels[0], attempt, search, &mut state, run, START_UPDATES)
+                    .run_level(self.first_rigid(), attempt, search, &mut state, run, START_UPDATES)
                     .rms_distance;
             }
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
@@ -188,9 +198,15 @@ impl Registration {
         misfit.of_bone.iter().map(|&r| r > far).collect()
     }
 
+    /// The first level after those with springs.
+    fn first_rigid(&self) -> &Level {
+        let rigid = self.levels.iter().find(|level| level.springs.is_none());
+        rigid.unwrap_or(&self.levels[0])
+    }
+
     /// Root mean square pair distances of the deformed shape; `None` without pairs.
     fn misfit(&self, search: &mut Correspond, state: &State) -> Option<Misfit> {
-        let pairs = search.at(&state.points, &self.levels[0].rules);
+        let pairs = search.at(&state.points, &self.first_rigid().rules);
         let of_bone =
             self.template.bones.iter().map(|b| pairs.rms_over(b.vertices.clone())).collect();
         let rms = pairs.rms_distance;

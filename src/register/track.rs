@@ -25,6 +25,7 @@ impl Options {
             refine_bones: false,
             scale_freedom: ScaleFreedom::Fixed,
             align: false,
+            springs: Vec::new(),
             seat_factor: 1.0,
             image_reach: [0.08, 0.02],
             ..Self::default()
@@ -54,7 +55,7 @@ impl Registration {
                 &mut search,
                 &mut state,
                 run,
-                self.options.max_iterations,
+                level.most_updates,
             ));
         }
         Ok(self.finish(state, frame, trace, run.is_cancelled()))

@@ -48,7 +48,11 @@ impl Registration {
                 put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
             take_shape(&mut state.reference, placed, &self.areas);
         }
-        let motions = self.pose(&state.reference, wanted, [masses, &pairs.unseen], 0);
+        let on_springs = level.springs.and_then(|soft| {
+            self.pose_on_springs(soft, state, wanted, [masses, &pairs.unseen]).ok()
+        });
+        let motions = on_springs
+            .unwrap_or_else(|| self.pose(&state.reference, wanted, [masses, &pairs.unseen], 0));
         state.reference.move_bones(&motions);
     }
 
@@ -61,10 +65,8 @@ impl Registration {
         [masses, unseen]: [&[f64]; 2],
         steps: usize,
     ) -> Vec<Isometry3<f64>> {
-        let mut targets = rigid_targets(reference, &reference.points, wanted, masses);
         let moments = moments(reference, masses);
-        let best_seen = heaviest(&moments);
-        let_unseen_follow(&mut targets, reference, best_seen, wanted, [masses, unseen]);
+        let targets = goals(reference, &moments, wanted, [masses, unseen]);
         let whole = whole_motion(&reference.points, wanted, masses);
         let targets: Vec<Isometry3<f64>> =
             targets.into_iter().map(|t| t.unwrap_or(whole)).collect();
@@ -73,6 +75,18 @@ impl Registration {
         }
         nearest_pose(reference, &moments, &targets, self.options.joint_sweeps, steps).transforms
     }
+}
+
+/// Where each bone is to go by itself; none where it has no data and hangs on nothing that has.
+pub(super) fn goals(
+    reference: &Skeleton,
+    moments: &[BoneMoments],
+    wanted: &[Vec3],
+    [masses, unseen]: [&[f64]; 2],
+) -> Vec<Option<Isometry3<f64>>> {
+    let mut goals = rigid_targets(reference, &reference.points, wanted, masses);
+    let_unseen_follow(&mut goals, reference, heaviest(moments), wanted, [masses, unseen]);
+    goals
 }
 
 /// What the target does not show of a bone goes, lightly, with the bone it hangs on, from the bone

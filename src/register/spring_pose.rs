@@ -1,13 +1,12 @@
-//! The pose in which a skeleton comes near its landmarks with as little bending as possible.
+//! The pose of a skeleton whose bones hang on springs: near its data with as little bending as possible.
 //!
 //! Bones hang on each other by stiff springs at their joints, joints are turned back by springs that are
-//! as soft as their ranges are wide, and the landmarks pull: a nonlinear least-squares problem in the
-//! rigid motions of all bones, solved by Gauss and Newton's method. Bones without a landmark of their own
+//! as soft as their ranges are wide, and the data pull: a nonlinear least-squares problem in the
+//! rigid motions of all bones, solved by Gauss and Newton's method. Bones without data of their own
 //! go where those around them take them.
 
 use nalgebra::{Isometry3, Matrix3x6};
 
-use super::landmarks::PlacedLandmark;
 use super::pose::moved;
 use super::pose_rows::{LONGEST_TURN, Twist, bent, carried, twisted};
 use super::rotation::rotation_vector;
@@ -16,18 +15,29 @@ use crate::error::Result;
 use crate::math::{Mat3, Vec3};
 use crate::solve::{BlockMatrix, BlockPattern, SymbolicFactor};
 
-/// Distances that count as much as a joint turned by its whole range, as shares of the template's
-/// diagonal: of a landmark, and of the two sides of a joint.
-const LANDMARK_DISTANCE: f64 = 0.005;
+/// Distance of the two sides of a joint that counts as much as a joint turned by its whole range, as a
+/// share of the template's diagonal.
 const JOINT_GAP: f64 = 0.0005;
 /// Ranges are taken as at least and at most so wide, radians.
 const RANGES: [f64; 2] = [0.05, 1.5];
-/// What holds a bone where nothing else does, against a landmark.
-const RIDGE: f64 = 1e-6;
+/// What holds a bone where nothing else does: a shift by so many diagonals, and a turn by so many radians,
+/// count as much as a joint turned by its whole range.
+const HOLD: [f64; 2] = [5.0, 1000.0];
 const MOST_STEPS: usize = 60;
 const MOST_HALVINGS: i32 = 8;
 /// At rest when a step saves less than this share.
 const REST: f64 = 1e-6;
+
+/// A place of a bone that is drawn to where the data have it.
+pub(super) struct Pull {
+    pub(super) bone: usize,
+    /// On the skeleton, before all motions.
+    pub(super) place: Vec3,
+    pub(super) goal: Vec3,
+    /// Of the squared distance; 1 over the square of the distance that counts as much as a joint turned by
+    /// its whole range.
+    pub(super) weight: f64,
+}
 
 /// Three springs: their elongations, weights, and how the bones' twists (shift, and turn about the
 /// bone's centre) change them.
@@ -38,31 +48,36 @@ struct Springs {
     weights: Vec3,
 }
 
-/// The springs of a skeleton and its landmarks.
-pub(super) struct LandmarkPose<'a> {
+/// The springs of a skeleton and its data.
+pub(super) struct SpringPose<'a> {
     skeleton: &'a Skeleton,
-    landmarks: &'a [PlacedLandmark],
     diagonal: f64,
+    /// The joints' rotation vectors at which their springs are at rest.
+    rest: &'a [Vec3],
+    pulls: Vec<Pull>,
     centres: Vec<Vec3>,
-    /// The joints' rotation vectors at the start, at which their springs are at rest.
-    rest: Vec<Vec3>,
 }
 
-impl<'a> LandmarkPose<'a> {
+/// The rotation vectors of all joints.
+pub(super) fn joint_turns(skeleton: &Skeleton) -> Vec<Vec3> {
+    let still = Isometry3::identity();
+    let turn = |joint: &Joint| rotation_vector(&joint.transform(&still, &still).rotation);
+    skeleton.joints.iter().map(turn).collect()
+}
+
+impl<'a> SpringPose<'a> {
     pub(super) fn new(
         skeleton: &'a Skeleton,
-        landmarks: &'a [PlacedLandmark],
         diagonal: f64,
+        rest: &'a [Vec3],
+        pulls: Vec<Pull>,
     ) -> Self {
         let centre = |range: std::ops::Range<usize>| {
             let count = range.len().max(1) as f64;
             skeleton.points[range].iter().sum::<Vec3>() / count
         };
         let centres = skeleton.bones.iter().map(|b| centre(b.vertices.clone())).collect();
-        let still = Isometry3::identity();
-        let turn = |joint: &Joint| rotation_vector(&joint.transform(&still, &still).rotation);
-        let rest = skeleton.joints.iter().map(turn).collect();
-        Self { skeleton, landmarks, diagonal, centres, rest }
+        Self { skeleton, diagonal, rest, pulls, centres }
     }
 
     /// The motions of all bones.
@@ -116,10 +131,10 @@ impl<'a> LandmarkPose<'a> {
     ) -> (Vec<f64>, BlockMatrix) {
         let mut gradient = vec![0.0; pattern.size()];
         let mut values = vec![0.0; pattern.row_idx.len()];
-        let against_shift = RIDGE / (LANDMARK_DISTANCE * self.diagonal).powi(2);
+        let hold = [HOLD[0] * self.diagonal, HOLD[1]].map(|far| far.powi(-2));
         for b in 0..self.centres.len() as u32 {
             for k in 0..6 {
-                values[pattern.entry(b, b, k, k)] += if k < 3 { against_shift } else { RIDGE };
+                values[pattern.entry(b, b, k, k)] += hold[k / 3];
             }
         }
         for springs in self.springs(pose) {
@@ -144,8 +159,8 @@ impl<'a> LandmarkPose<'a> {
 
     fn springs(&self, pose: &[Isometry3<f64>]) -> Vec<Springs> {
         let mut springs: Vec<Springs> =
-            self.landmarks.iter().map(|landmark| self.landmark(landmark, pose)).collect();
-        for (joint, rest) in self.skeleton.joints.iter().zip(&self.rest) {
+            self.pulls.iter().map(|pull| self.pull(pull, pose)).collect();
+        for (joint, rest) in self.skeleton.joints.iter().zip(self.rest) {
             springs.push(self.gap(joint, pose));
             springs.push(turn(joint, rest, pose));
         }
@@ -157,15 +172,13 @@ impl<'a> LandmarkPose<'a> {
         carried(at, &moved(&pose[bone], &self.centres[bone]))
     }
 
-    fn landmark(&self, landmark: &PlacedLandmark, pose: &[Isometry3<f64>]) -> Springs {
-        let bone = landmark.bone;
-        let at = moved(&pose[bone], &landmark.place(&self.skeleton.points));
-        let weight = landmark.weight / (LANDMARK_DISTANCE * self.diagonal).powi(2);
+    fn pull(&self, pull: &Pull, pose: &[Isometry3<f64>]) -> Springs {
+        let at = moved(&pose[pull.bone], &pull.place);
         Springs {
-            bones: [bone, bone],
-            parts: [self.carried(bone, &at, pose), Matrix3x6::zeros()],
-            elongation: at - landmark.target,
-            weights: Vec3::repeat(weight),
+            bones: [pull.bone, pull.bone],
+            parts: [self.carried(pull.bone, &at, pose), Matrix3x6::zeros()],
+            elongation: at - pull.goal,
+            weights: Vec3::repeat(pull.weight),
         }
     }
 
@@ -183,7 +196,7 @@ impl<'a> LandmarkPose<'a> {
     }
 }
 
-/// A joint turns back to where it was.
+/// A joint turns back to where it is at rest.
 fn turn(joint: &Joint, rest: &Vec3, pose: &[Isometry3<f64>]) -> Springs {
     let transform = joint.transform(&pose[joint.parent], &pose[joint.child]);
     let r = rotation_vector(&transform.rotation);
@@ -204,7 +217,6 @@ mod tests {
     use super::*;
     use crate::math::derivative_check::order_of_convergence;
     use crate::register::joint_limits::JointLimits;
-    use crate::register::landmarks::Landmark;
     use crate::register::rotation::turned_about;
     use crate::register::skeleton::tests::{block, joint_at};
 
@@ -222,17 +234,15 @@ mod tests {
         Skeleton::new(bones, (0..3).map(joint).collect()).unwrap()
     }
 
-    fn landmarks(skeleton: &Skeleton, motions: &[Isometry3<f64>]) -> Vec<PlacedLandmark> {
-        let vertices = [0, 3].map(|b| skeleton.bones[b].vertices.clone());
-        let places = vertices.map(|range| [range.start, range.end - 1].map(|v| skeleton.points[v]));
-        let landmark = |k: usize| {
+    /// Draws two places of the first bone and two of the last to where `motions` carry them.
+    fn pulls(skeleton: &Skeleton, motions: &[Isometry3<f64>]) -> Vec<Pull> {
+        let pull = |k: usize| {
             let bone = [0, 3][k / 2];
-            let place = places[k / 2][k % 2];
-            let target = moved(&motions[bone], &place);
-            let landmark = Landmark { bone, place, target, weight: 1.0 };
-            PlacedLandmark::new(skeleton, &landmark).unwrap()
+            let range = skeleton.bones[bone].vertices.clone();
+            let place = skeleton.points[[range.start, range.end - 1][k % 2]];
+            Pull { bone, place, goal: moved(&motions[bone], &place), weight: 25.0 }
         };
-        (0..4).map(landmark).collect()
+        (0..4).map(pull).collect()
     }
 
     #[test]
@@ -243,8 +253,9 @@ mod tests {
         let bend = turned_about(&still, &Vec3::new(16.5, 0.0, 0.0), turn);
         let away = Isometry3::new(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, -0.1));
         let truth = [away, away, away * bend, away * bend];
-        let landmarks = landmarks(&skeleton, &truth);
-        let found = LandmarkPose::new(&skeleton, &landmarks, 40.0).solve().unwrap();
+        let rest = joint_turns(&skeleton);
+        let pulls = pulls(&skeleton, &truth);
+        let found = SpringPose::new(&skeleton, 40.0, &rest, pulls).solve().unwrap();
         for (b, bone) in skeleton.bones.iter().enumerate() {
             for p in &skeleton.points[bone.vertices.clone()] {
                 let off = (moved(&found[b], p) - moved(&truth[b], p)).norm();
@@ -261,8 +272,9 @@ mod tests {
             Isometry3::new(Vec3::new(x, y, -x), Vec3::new(y, -x, 0.3 * x))
         };
         let pose: Vec<_> = (0..4).map(motion).collect();
-        let landmarks = landmarks(&skeleton, &[Isometry3::translation(0.5, 0.1, -0.2); 4]);
-        let problem = LandmarkPose::new(&skeleton, &landmarks, 40.0);
+        let pulls = pulls(&skeleton, &[Isometry3::translation(0.5, 0.1, -0.2); 4]);
+        let rest = joint_turns(&skeleton);
+        let problem = SpringPose::new(&skeleton, 40.0, &rest, pulls);
         let links: Vec<_> = (0..3).map(|k| (k, k + 1)).collect();
         let pattern = BlockPattern::of_links(&problem.centres, &links, 6);
         let (gradient, _) = problem.gradient_and_matrix(&pattern, &pose);
