@@ -10,10 +10,10 @@ use rayon::prelude::*;
 
 use super::image::ImageTarget;
 use super::landmarks::PlacedLandmark;
-use super::pairs::{Bones, Group, Pair, PairRules, Side, image_pairs, median_distance};
+use super::pairs::{Group, Pair, PairRules, Side, image_pairs, median_distance};
 use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
-use super::target::Target;
+use super::target::{Part, Target};
 use crate::math::Vec3;
 use crate::mesh::normals::{area_vectors, vertex_normals};
 
@@ -86,35 +86,32 @@ impl<'a> Correspond<'a> {
         target: &'a Target,
         spacing: f64,
     ) -> Self {
-        let triangles = &skeleton.triangles;
-        let bone_of = skeleton.bone_of_vertex();
-        let parts: Vec<_> = if target.labelled {
-            skeleton.bones.iter().map(|b| (b.vertices.clone(), b.triangles.clone())).collect()
-        } else {
-            vec![(0..skeleton.points.len(), 0..triangles.len())]
+        let parts = target.parts(skeleton.bones.len());
+        Self::of_parts(skeleton, areas, target, parts, spacing)
+    }
+
+    /// The same, with the bones that are sought on each part of the target's surface.
+    pub(super) fn of_parts(
+        skeleton: &'a Skeleton,
+        areas: &[f64],
+        target: &'a Target,
+        parts: Vec<Part<'a>>,
+        spacing: f64,
+    ) -> Self {
+        let group = |Part { bones, surface }| {
+            let mut group = Group::new(skeleton, &bones);
+            group.sample(&skeleton.points, areas, surface, spacing);
+            (group, surface)
         };
-        let groups: Vec<(Group, _)> = parts
-            .into_iter()
-            .zip(&target.surfaces)
-            .filter_map(|((vertices, range), surface)| {
-                let surface = surface.as_ref()?;
-                let first = vertices.start as u32;
-                let local: Vec<[u32; 3]> =
-                    triangles[range.clone()].iter().map(|t| t.map(|v| v - first)).collect();
-                let points = &skeleton.points[vertices.clone()];
-                let bones = Bones::new(points, local, bone_of[vertices.clone()].to_vec());
-                let mut group = Group::new(vertices.clone(), range, bones);
-                group.sample(points, &areas[vertices], surface, spacing);
-                Some((group, surface))
-            })
-            .collect();
+        let groups: Vec<(Group, _)> = parts.into_iter().map(group).collect();
         let image = target.image.as_ref().map(|image| (image, areas.to_vec()));
         let mut without_data =
             if image.is_some() { vec![0.0; areas.len()] } else { areas.to_vec() };
-        for (group, _) in &groups {
-            without_data[group.vertices.clone()].fill(0.0);
+        for &v in groups.iter().flat_map(|(group, _)| group.vertices()) {
+            without_data[v as usize] = 0.0;
         }
         let (vertex_count, landmarks) = (skeleton.points.len(), target.landmarks.as_slice());
+        let triangles = &skeleton.triangles;
         Self { groups, image, landmarks, vertex_count, without_data, triangles }
     }
 
@@ -122,10 +119,19 @@ impl<'a> Correspond<'a> {
     pub(super) fn resampled(&self, points: &[Vec3], areas: &[f64], spacing: f64) -> Self {
         let mut other = self.clone();
         for (group, surface) in &mut other.groups {
-            let vertices = group.vertices.clone();
-            group.sample(&points[vertices.clone()], &areas[vertices], surface, spacing);
+            group.sample(points, areas, surface, spacing);
         }
         other
+    }
+
+    /// What the bones met last, see [`Group::met_by_bones`].
+    pub(super) fn met_by_bones(&self) -> impl Iterator<Item = (u32, u32, f64)> + '_ {
+        self.groups.iter().flat_map(|(group, _)| group.met_by_bones())
+    }
+
+    /// What the target met last, see [`Group::met_by_target`].
+    pub(super) fn met_by_target(&self) -> impl Iterator<Item = (u32, u32, f64)> + '_ {
+        self.groups.iter().flat_map(|(group, _)| group.met_by_target())
     }
 
     /// Whether the target is an image.
@@ -139,13 +145,10 @@ impl<'a> Correspond<'a> {
         let faces = area_vectors(points, self.triangles);
         let normals = vertex_normals(points.len(), self.triangles, &faces);
         for (group, surface) in &mut self.groups {
-            let vertices = group.vertices.clone();
-            let local = &points[vertices.clone()];
-            group.bones.search.refit(local);
-            pairs.par_extend(group.forward_pairs(local, &normals[vertices], surface, rules));
+            group.refit(points);
+            pairs.par_extend(group.forward_pairs(&normals, surface, rules));
             if rules.both_ways {
-                let faces = &faces[group.faces.clone()];
-                pairs.par_extend(group.backward_pairs(faces, surface));
+                pairs.par_extend(group.backward_pairs(&faces, surface));
             }
         }
         if let Some((image, areas)) = &self.image {

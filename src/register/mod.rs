@@ -25,6 +25,7 @@ mod levels;
 mod neighbours;
 mod on_springs;
 pub mod options;
+mod owners;
 mod pairs;
 mod penetration;
 mod pieces;

@@ -87,6 +87,8 @@ pub struct Options {
     /// A place of the target belongs to another bone when that one is nearer to it by this factor;
     /// 0 = to all that find it. Not on the first level, where all bones move as one.
     pub taken_factor: f64,
+    /// Pieces of the target that do not touch others become bones' own between the levels.
+    pub own_pieces: bool,
     /// Robust distance scale of the last level in median distances.
     pub robust_factor: f64,
     /// Spacing of the sampled pairs as a share of the level's cluster radius (0 = use all).
@@ -132,6 +134,7 @@ impl Default for Options {
             min_cosine: -0.2,
             last_min_cosine: 0.3,
             taken_factor: 0.5,
+            own_pieces: true,
             robust_factor: 2.5,
             pair_spacing: 0.125,
             coarsest_pairs: 0.02,
@@ -157,6 +160,7 @@ impl Options {
             springs: Vec::new(),
             min_cosine: -1.0,
             taken_factor: 0.0,
+            own_pieces: false,
             pair_spacing: 0.0,
             further_attempts: 0,
             ..Self::default()

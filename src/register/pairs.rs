@@ -1,11 +1,10 @@
 //! Pairs of places: each template vertex with the nearest place of the target, and the other way round.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::image::ImageTarget;
 use super::samples::Samples;
+use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
 use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::{Vec3, median};
@@ -56,28 +55,29 @@ pub(super) enum Side {
     Landmark,
 }
 
-/// A surface of bones with vertices numbered from its own first.
+/// Bones that are searched as one; their vertices and triangles are numbered anew.
 #[derive(Clone, Debug)]
 pub(super) struct Bones {
-    pub(super) triangles: Vec<[u32; 3]>,
+    /// The template's number of each vertex and of each triangle.
+    vertices: Vec<u32>,
+    faces: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    points: Vec<Vec3>,
     /// The bone of each vertex, and a triangle there.
-    pub(super) bone_of: Vec<u32>,
-    pub(super) triangle_at: Vec<u32>,
-    pub(super) search: ClosestPoints,
+    bone_of: Vec<u32>,
+    triangle_at: Vec<u32>,
+    search: ClosestPoints,
 }
 
-/// A part of the template that is searched as one: everything, or one bone.
+/// A part of the template that is searched as one: everything, one bone, or several.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
-    pub(super) vertices: Range<usize>,
-    /// Where its triangles stand among the template's.
-    pub(super) faces: Range<usize>,
-    pub(super) bones: Bones,
-    pub(super) forward: Samples,
-    pub(super) backward: Samples,
+    bones: Bones,
+    forward: Samples,
+    backward: Samples,
     /// The triangles found last, where the next search begins.
-    pub(super) forward_hits: Vec<u32>,
-    pub(super) backward_hits: Vec<u32>,
+    forward_hits: Vec<u32>,
+    backward_hits: Vec<u32>,
 }
 
 /// Vertices to places along their normals. Vertices that find nothing like them are dropped pairs.
@@ -101,14 +101,27 @@ pub(super) fn image_pairs(
 }
 
 impl Bones {
-    pub(super) fn new(points: &[Vec3], triangles: Vec<[u32; 3]>, bone_of: Vec<u32>) -> Self {
-        let mut triangle_at = vec![0; points.len()];
+    fn new(skeleton: &Skeleton, chosen: &[usize]) -> Self {
+        let [mut vertices, mut faces, mut bone_of] = [Vec::new(), Vec::new(), Vec::new()];
+        let mut triangles = Vec::new();
+        for &b in chosen {
+            let bone = &skeleton.bones[b];
+            let (first, own) = (bone.vertices.start as u32, vertices.len() as u32);
+            vertices.extend(bone.vertices.clone().map(|v| v as u32));
+            bone_of.resize(vertices.len(), b as u32);
+            faces.extend(bone.triangles.clone().map(|t| t as u32));
+            let of_bone = &skeleton.triangles[bone.triangles.clone()];
+            triangles.extend(of_bone.iter().map(|t| t.map(|v| v - first + own)));
+        }
+        let mut triangle_at = vec![0; vertices.len()];
         for (t, triangle) in triangles.iter().enumerate() {
             for &v in triangle {
                 triangle_at[v as usize] = t as u32;
             }
         }
-        Self { search: ClosestPoints::new(points, &triangles), triangles, bone_of, triangle_at }
+        let points: Vec<Vec3> = vertices.iter().map(|&v| skeleton.points[v as usize]).collect();
+        let search = ClosestPoints::new(&points, &triangles);
+        Self { vertices, faces, triangles, points, bone_of, triangle_at, search }
     }
 
     /// Whether another bone lies clearly nearer to a place of the target that vertex `i` found.
@@ -126,16 +139,19 @@ impl Bones {
 }
 
 impl Group {
-    pub(super) fn new(vertices: Range<usize>, faces: Range<usize>, bones: Bones) -> Self {
+    pub(super) fn new(skeleton: &Skeleton, bones: &[usize]) -> Self {
         Self {
-            vertices,
-            faces,
-            bones,
+            bones: Bones::new(skeleton, bones),
             forward: Samples::default(),
             backward: Samples::default(),
             forward_hits: Vec::new(),
             backward_hits: Vec::new(),
         }
+    }
+
+    /// The template's numbers of its vertices.
+    pub(super) fn vertices(&self) -> &[u32] {
+        &self.bones.vertices
     }
 
     /// Chooses the vertices of both sides that are searched.
@@ -146,7 +162,9 @@ impl Group {
         surface: &SearchedSurface,
         spacing: f64,
     ) {
-        let (forward, denser) = Samples::of_bones(points, areas, &self.bones.bone_of, spacing);
+        let of = |&v: &u32| (points[v as usize], areas[v as usize]);
+        let (points, areas): (Vec<Vec3>, Vec<f64>) = self.bones.vertices.iter().map(of).unzip();
+        let (forward, denser) = Samples::of_bones(&points, &areas, &self.bones.bone_of, spacing);
         self.forward = forward;
         // The target, too, shows the small bones.
         self.backward = Samples::new(&surface.mesh.points, &surface.areas, spacing / denser.sqrt());
@@ -154,19 +172,47 @@ impl Group {
         self.backward_hits = vec![u32::MAX; self.backward.vertices.len()];
     }
 
+    /// Puts the bones to where the template's `points` are.
+    pub(super) fn refit(&mut self, points: &[Vec3]) {
+        let Bones { vertices, points: own, search, .. } = &mut self.bones;
+        for (own, &v) in own.iter_mut().zip(&*vertices) {
+            *own = points[v as usize];
+        }
+        search.refit(own);
+    }
+
+    /// The triangle of the target that each chosen vertex found last: its bone, the triangle, its area.
+    pub(super) fn met_by_bones(&self) -> impl Iterator<Item = (u32, u32, f64)> + '_ {
+        let found = self.forward.vertices.iter().zip(&self.forward_hits).zip(&self.forward.areas);
+        let bone_of = |i: u32| self.bones.bone_of[i as usize];
+        found
+            .filter(|((_, hit), _)| **hit != u32::MAX)
+            .map(move |((&i, &hit), &area)| (bone_of(i), hit, area))
+    }
+
+    /// The bone that each chosen vertex of the target found last: the vertex, the bone, its area.
+    pub(super) fn met_by_target(&self) -> impl Iterator<Item = (u32, u32, f64)> + '_ {
+        let bone_at = |hit: u32| self.bones.bone_of[self.bones.triangles[hit as usize][0] as usize];
+        let found =
+            self.backward.vertices.iter().zip(&self.backward_hits).zip(&self.backward.areas);
+        found
+            .filter(|((_, hit), _)| **hit != u32::MAX)
+            .map(move |((&q, &hit), &area)| (q, bone_at(hit), area))
+    }
+
     /// Template vertices to the target surface.
     pub(super) fn forward_pairs<'b>(
         &'b mut self,
-        local: &'b [Vec3],
         normals: &'b [Vec3],
         surface: &'b SearchedSurface,
         rules: &'b PairRules,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
-        let (samples, first, bones) = (&self.forward, self.vertices.start as u32, &self.bones);
+        let (samples, bones) = (&self.forward, &self.bones);
         let hits = self.forward_hits.par_iter_mut();
         samples.vertices.par_iter().zip(&samples.areas).zip(hits).with_min_len(64).filter_map(
             move |((&i, &area), hit)| {
-                let found = surface.search.closest_from(&local[i as usize], *hit)?;
+                let (v, at) = (bones.vertices[i as usize], &bones.points[i as usize]);
+                let found = surface.search.closest_from(at, *hit)?;
                 *hit = found.triangle;
                 let beyond = surface.border.has(&surface.mesh, &found);
                 let side = if beyond { Side::BeyondBorder } else { Side::Template };
@@ -174,10 +220,9 @@ impl Group {
                 let cosine = if beyond || bones.is_taken(i, &found, rules) {
                     f64::NEG_INFINITY
                 } else {
-                    normals[i as usize].dot(normal)
+                    normals[v as usize].dot(normal)
                 };
-                let v = i + first;
-                let pull = found.position - local[i as usize];
+                let pull = found.position - at;
                 Some(Pair { vertices: [v; 3], shares: [1.0, 0.0, 0.0], area, pull, cosine, side })
             },
         )
@@ -189,18 +234,18 @@ impl Group {
         faces: &'b [Vec3],
         surface: &'b SearchedSurface,
     ) -> impl ParallelIterator<Item = Pair> + 'b {
-        let (samples, first) = (&self.backward, self.vertices.start as u32);
-        let (search, triangles) = (&self.bones.search, &self.bones.triangles);
+        let (samples, bones) = (&self.backward, &self.bones);
         let hits = self.backward_hits.par_iter_mut();
         samples.vertices.par_iter().zip(&samples.areas).zip(hits).with_min_len(64).filter_map(
             move |((&q, &area), hit)| {
                 let goal = surface.mesh.points[q as usize];
                 let SurfacePoint { triangle, barycentric, position, .. } =
-                    search.closest_from(&goal, *hit)?;
+                    bones.search.closest_from(&goal, *hit)?;
                 *hit = triangle;
-                let normal = unit_or_zero(&faces[triangle as usize]);
+                let normal = unit_or_zero(&faces[bones.faces[triangle as usize] as usize]);
                 let cosine = surface.vertex_normals[q as usize].dot(&normal);
-                let vertices = triangles[triangle as usize].map(|v| v + first);
+                let corners = bones.triangles[triangle as usize];
+                let vertices = corners.map(|v| bones.vertices[v as usize]);
                 let (pull, side) = (goal - position, Side::Target);
                 Some(Pair { vertices, shares: barycentric, area, pull, cosine, side })
             },

@@ -12,6 +12,7 @@ use super::bone_scales::BoneScales;
 use super::correspond::{Correspond, Correspondences};
 use super::levels::Level;
 use super::options::{Options, Schedule};
+use super::owners::{Owned, Pieces};
 use super::pairs::PairRules;
 use super::pieces::without_far_parts;
 use super::shape_model::ShapeModel;
@@ -159,6 +160,9 @@ impl Registration {
         if near.is_some() {
             search_coarse = self.search(target, START_SPACING * self.diagonal);
         }
+        let bone_count = self.template.bones.len();
+        let pieces = self.options.own_pieces.then(|| Pieces::new(target, bone_count)).flatten();
+        let mut owned: Option<Owned> = None;
         let mut trace = Vec::new();
         let levels = self.levels_for(target);
         for (k, level) in levels.iter().enumerate() {
@@ -166,12 +170,22 @@ impl Registration {
                 break;
             }
             attempt.enter(run, &level.name(), 0.15 + 0.8 * k as f64 / levels.len() as f64);
-            let mut search =
-                search_coarse.resampled(&self.template.points, &self.areas, level.spacing);
+            let (template, areas) = (&self.template, &self.areas);
+            let mut search = match &owned {
+                Some(owned) => {
+                    Correspond::of_parts(template, areas, target, owned.parts(), level.spacing)
+                }
+                None => search_coarse.resampled(&template.points, areas, level.spacing),
+            };
             let most = level.most_updates;
             trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
             if level.repaired && target.image.is_none() {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
+            }
+            if let Some(pieces) = pieces.as_ref().filter(|_| level.springs.is_none()) {
+                let mut search = search_coarse.resampled(&template.points, areas, level.spacing);
+                let (search, rules) = (&mut search, &level.rules);
+                owned = Some(pieces.shared_out(search, &state.points, rules));
             }
         }
         attempt.enter(run, "joints and residuals", 0.95);

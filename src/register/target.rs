@@ -27,6 +27,12 @@ pub struct Target {
     pub(super) landmarks: Vec<PlacedLandmark>,
 }
 
+/// A surface, and the bones that are sought on it.
+pub(super) struct Part<'a> {
+    pub(super) bones: Vec<usize>,
+    pub(super) surface: &'a SearchedSurface,
+}
+
 impl Target {
     /// One surface of the whole skeleton; bones may be fused. It may be open and noisy. A surface whose
     /// triangles face inwards is turned, a very noisy one smoothed.
@@ -92,6 +98,14 @@ impl Target {
     /// Whether the target tells the bones apart.
     pub fn is_labelled(&self) -> bool {
         self.labelled
+    }
+
+    /// Its surfaces with the bones that are sought on each.
+    pub(super) fn parts(&self, bone_count: usize) -> Vec<Part<'_>> {
+        let bones_of = |b: usize| if self.labelled { vec![b] } else { (0..bone_count).collect() };
+        let surfaces = self.surfaces.iter().enumerate();
+        let known = surfaces.filter_map(|(b, surface)| Some((b, surface.as_ref()?)));
+        known.map(|(b, surface)| Part { bones: bones_of(b), surface }).collect()
     }
 
     /// What was done to it, in sentences.

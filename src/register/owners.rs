@@ -1,0 +1,164 @@
+//! Which pieces of the target's surface belong to which bone.
+//!
+//! Where bones do not touch, the target's surface falls into pieces, and a piece shows one bone. Once a bone
+//! has found pieces of its own it is sought on these alone, and no other bone is sought there: a bone that
+//! lies partly on its neighbour's piece would keep what it holds of it.
+
+use rayon::prelude::*;
+
+use super::correspond::Correspond;
+use super::pairs::PairRules;
+use super::surface::SearchedSurface;
+use super::target::{Part, Target};
+use crate::math::Vec3;
+use crate::mesh::adjacency::{components, first_at_place};
+
+/// A piece is a bone's own when so much of it lies nearest to the bone, and so much of the bone nearest to
+/// its own pieces.
+const OWN: f64 = 0.8;
+
+/// The target's surface in pieces that do not touch.
+pub(super) struct Pieces<'a> {
+    surface: &'a SearchedSurface,
+    of_triangle: Vec<u32>,
+    count: usize,
+    bone_count: usize,
+}
+
+/// The surface of each bone that has pieces of its own, and what is left for the other bones.
+pub(super) struct Owned {
+    of_bone: Vec<Option<SearchedSurface>>,
+    rest: SearchedSurface,
+}
+
+impl<'a> Pieces<'a> {
+    /// None where the target tells the bones apart already, or is in one piece.
+    pub(super) fn new(target: &'a Target, bone_count: usize) -> Option<Self> {
+        let surface = target.surfaces.first()?.as_ref().filter(|_| !target.labelled)?;
+        let first = first_at_place(&surface.mesh.points);
+        let joined: Vec<[u32; 3]> =
+            surface.mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+        let of_triangle = components(first.len(), &joined);
+        let count = of_triangle.iter().max().map_or(0, |&last| last as usize + 1);
+        (count > 1).then_some(Self { surface, of_triangle, count, bone_count })
+    }
+
+    /// Shares the pieces out among bones that lie at `points`; `search` seeks all bones on the whole surface.
+    pub(super) fn shared_out(
+        &self,
+        search: &mut Correspond,
+        points: &[Vec3],
+        rules: &PairRules,
+    ) -> Owned {
+        search.at(points, rules);
+        let mut of_vertex = vec![u32::MAX; self.surface.mesh.points.len()];
+        for (triangle, &piece) in self.surface.mesh.triangles.iter().zip(&self.of_triangle) {
+            for &v in triangle {
+                of_vertex[v as usize] = piece;
+            }
+        }
+        let mut by_bone = vec![Vec::new(); self.count];
+        for (v, bone, area) in search.met_by_target() {
+            if let Some(shares) = by_bone.get_mut(of_vertex[v as usize] as usize) {
+                add(shares, bone, area);
+            }
+        }
+        let owner: Vec<Option<u32>> = by_bone.iter().map(|shares| most_of(shares)).collect();
+        let mut areas = vec![[0.0; 2]; self.bone_count];
+        for (bone, triangle, area) in search.met_by_bones() {
+            let own = owner[self.of_triangle[triangle as usize] as usize] == Some(bone);
+            areas[bone as usize][usize::from(own)] += area;
+        }
+        let has_own: Vec<bool> =
+            areas.iter().map(|[other, own]| *own > 0.0 && *own >= OWN * (own + other)).collect();
+        let owner_at = |v: u32| {
+            let owner = owner.get(of_vertex[v as usize] as usize)?.filter(|&b| has_own[b as usize]);
+            owner.map(|b| b as usize)
+        };
+        let of_bone = (0..self.bone_count)
+            .into_par_iter()
+            .map(|b| has_own[b].then(|| self.surface.part(|v| owner_at(v) == Some(b))))
+            .collect();
+        Owned { of_bone, rest: self.surface.part(|v| owner_at(v).is_none()) }
+    }
+}
+
+fn add(shares: &mut Vec<(u32, f64)>, bone: u32, area: f64) {
+    match shares.iter_mut().find(|(b, _)| *b == bone) {
+        Some((_, sum)) => *sum += area,
+        None => shares.push((bone, area)),
+    }
+}
+
+/// The bone that holds most of a piece, if it holds enough.
+fn most_of(shares: &[(u32, f64)]) -> Option<u32> {
+    let whole: f64 = shares.iter().map(|(_, area)| area).sum();
+    let &(bone, most) = shares.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (most >= OWN * whole).then_some(bone)
+}
+
+impl Owned {
+    /// The surfaces with the bones that are sought on each.
+    pub(super) fn parts(&self) -> Vec<Part<'_>> {
+        let mut parts = Vec::new();
+        let mut others = Vec::new();
+        for (b, surface) in self.of_bone.iter().enumerate() {
+            match surface {
+                Some(surface) => parts.push(Part { bones: vec![b], surface }),
+                None => others.push(b),
+            }
+        }
+        if !others.is_empty() && !self.rest.mesh.triangles.is_empty() {
+            parts.push(Part { bones: others, surface: &self.rest });
+        }
+        parts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriMesh;
+    use crate::register::options::Options;
+    use crate::register::registration::Registration;
+    use crate::register::skeleton::Skeleton;
+    use crate::register::skeleton::tests::block;
+
+    fn joined(meshes: &[TriMesh]) -> TriMesh {
+        let mut all = TriMesh::default();
+        for mesh in meshes {
+            let first = all.points.len() as u32;
+            all.points.extend(&mesh.points);
+            all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        all
+    }
+
+    #[test]
+    fn a_bone_owns_the_piece_it_lies_on_and_the_others_share_the_rest() {
+        let half = Vec3::new(5.0, 2.0, 1.0);
+        let row = |k: f64, shift: f64| block(Vec3::new(11.0 * k + shift, 0.0, 0.0), half, 6);
+        let bones = (0..3).map(|k| (format!("bone {k}"), row(f64::from(k), 0.0))).collect();
+        let skeleton = Skeleton::new(bones, Vec::new()).unwrap();
+        // The piece of the second bone lies half under the third one, and something is no bone.
+        let something = block(Vec3::new(-9.0, 0.0, 0.0), Vec3::repeat(1.0), 2);
+        let seen = joined(&[row(0.0, 0.5), row(1.5, 0.0), something]);
+        let target = Target::whole(seen).unwrap();
+        let pieces = Pieces::new(&target, 3).unwrap();
+        assert_eq!(pieces.count, 3);
+        let registration = Registration::new(skeleton.clone(), Options::default()).unwrap();
+        let rules = registration.rules(-1.0, None);
+        let mut search = registration.search(&target, 0.0);
+        let owned = pieces.shared_out(&mut search, &skeleton.points, &rules);
+        let parts = owned.parts();
+        let bones: Vec<_> = parts.iter().map(|part| part.bones.clone()).collect();
+        assert_eq!(bones, [vec![0], vec![1, 2]]);
+        let reach = |part: &Part| {
+            let x = part.surface.mesh.points.iter().map(|p| p.x);
+            x.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+        };
+        // What lies before the first bone is nearest to it, and so a piece of its own as well.
+        assert_eq!([reach(&parts[0]), reach(&parts[1])], [[-10.0, 5.5], [11.5, 21.5]]);
+        assert!(Pieces::new(&Target::whole(row(0.0, 0.0)).unwrap(), 3).is_none());
+    }
+}
