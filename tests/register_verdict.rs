@@ -41,9 +41,7 @@ fn a_hand_inside_out_with_a_ball_far_away_is_found_and_both_are_said() {
     let truth = hand();
     let mut target = truth.clone();
     let ball = ball(truth.points.iter().sum::<Vec3>() / truth.points.len() as f64);
-    let first = target.points.len() as u32;
-    target.points.extend(ball.points);
-    target.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
+    target.append(&ball);
     let found = found(inside_out(&target), &Options::default()).unwrap();
     let error = vertex_error(&found.skeleton.points, &truth.points);
     assert!(error < 0.2, "{error}");

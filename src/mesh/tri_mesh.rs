@@ -28,6 +28,13 @@ impl TriMesh {
         Ok(Self { points, triangles })
     }
 
+    /// Puts the points and triangles of another mesh behind its own.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.points.len() as u32;
+        self.points.extend_from_slice(&other.points);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+
     /// Corner positions of triangle `t`.
     pub fn corners(&self, t: usize) -> [Vec3; 3] {
         self.triangles[t].map(|v| self.points[v as usize])

@@ -110,10 +110,9 @@ mod tests {
     fn shape() -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<f64>, Vec<u32>) {
         let mut a = block(Vec3::new(500.0, -700.0, 90.0), Vec3::new(3.0, 1.0, 1.0), 6);
         let b = block(Vec3::new(507.0, -700.0, 90.0), Vec3::new(3.0, 1.0, 1.0), 5);
-        let first = a.points.len() as u32;
-        let bone_of: Vec<u32> = (0..first).map(|_| 0).chain(b.points.iter().map(|_| 1)).collect();
-        a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + first)));
-        a.points.extend(b.points);
+        let bone_of: Vec<u32> =
+            a.points.iter().map(|_| 0).chain(b.points.iter().map(|_| 1)).collect();
+        a.append(&b);
         let masses = vertex_areas(&a.points, &a.triangles);
         (a.points, a.triangles, masses, bone_of)
     }

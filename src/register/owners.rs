@@ -118,21 +118,10 @@ impl Owned {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::TriMesh;
     use crate::register::options::Options;
     use crate::register::registration::Registration;
     use crate::register::skeleton::Skeleton;
     use crate::register::skeleton::tests::block;
-
-    fn joined(meshes: &[TriMesh]) -> TriMesh {
-        let mut all = TriMesh::default();
-        for mesh in meshes {
-            let first = all.points.len() as u32;
-            all.points.extend(&mesh.points);
-            all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
-        }
-        all
-    }
 
     #[test]
     fn a_bone_owns_the_piece_it_lies_on_and_the_others_share_the_rest() {
@@ -141,8 +130,9 @@ mod tests {
         let bones = (0..3).map(|k| (format!("bone {k}"), row(f64::from(k), 0.0))).collect();
         let skeleton = Skeleton::new(bones, Vec::new()).unwrap();
         // The piece of the second bone lies half under the third one, and something is no bone.
-        let something = block(Vec3::new(-9.0, 0.0, 0.0), Vec3::repeat(1.0), 2);
-        let seen = joined(&[row(0.0, 0.5), row(1.5, 0.0), something]);
+        let mut seen = row(0.0, 0.5);
+        seen.append(&row(1.5, 0.0));
+        seen.append(&block(Vec3::new(-9.0, 0.0, 0.0), Vec3::repeat(1.0), 2));
         let target = Target::whole(seen).unwrap();
         let pieces = Pieces::new(&target, 3).unwrap();
         assert_eq!(pieces.count, 3);

@@ -101,10 +101,7 @@ mod tests {
     fn what_lies_near_belongs_together() {
         let mut mesh = block(Vec3::zeros(), Vec3::repeat(1.0), 4);
         for x in [2.3, 9.0] {
-            let other = block(Vec3::new(x, 0.0, 0.0), Vec3::repeat(1.0), 4);
-            let first = mesh.points.len() as u32;
-            mesh.points.extend(other.points);
-            mesh.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+            mesh.append(&block(Vec3::new(x, 0.0, 0.0), Vec3::repeat(1.0), 4));
         }
         let clusters = clusters(&mesh, 0.5);
         let of = |k: usize| &clusters[k * clusters.len() / 3..(k + 1) * clusters.len() / 3];

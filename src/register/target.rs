@@ -133,9 +133,7 @@ impl Target {
     pub(super) fn joined(&self) -> SearchedSurface {
         let mut all = TriMesh::default();
         for surface in self.surfaces.iter().flatten() {
-            let first = all.points.len() as u32;
-            all.points.extend_from_slice(&surface.mesh.points);
-            all.triangles.extend(surface.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+            all.append(&surface.mesh);
         }
         SearchedSurface::new(all)
     }
