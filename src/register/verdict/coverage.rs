@@ -10,7 +10,7 @@ use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
 use crate::register::samples::Samples;
 use crate::register::skeleton::Skeleton;
 use crate::register::surface::SearchedSurface;
-use crate::register::target::Target;
+use crate::register::target::{Part, Target};
 
 /// Places of the target that are looked at, about, at most.
 const MOST_PLACES: f64 = 60_000.0;
@@ -128,19 +128,17 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
 }
 
 fn looks<'a>(skeleton: &Skeleton, target: &'a Target) -> Vec<Look<'a>> {
-    let surfaces = target.surfaces.iter().enumerate();
-    let part = |(b, surface): (usize, &'a Option<SearchedSurface>)| {
-        let surface = surface.as_ref()?;
-        Some(if target.labelled {
-            let bone = &skeleton.bones[b];
-            let (vertices, triangles) = (bone.vertices.clone(), bone.triangles.clone());
-            Look { surface, bones: b..b + 1, vertices, triangles }
-        } else {
-            let (vertices, triangles) = (0..skeleton.points.len(), 0..skeleton.triangles.len());
-            Look { surface, bones: 0..skeleton.bones.len(), vertices, triangles }
+    let look = |Part { bones, surface }: Part<'a>| {
+        let (&first, &last) = (bones.first()?, bones.last()?);
+        let [from, to] = [first, last].map(|b| &skeleton.bones[b]);
+        Some(Look {
+            surface,
+            bones: first..last + 1,
+            vertices: from.vertices.start..to.vertices.end,
+            triangles: from.triangles.start..to.triangles.end,
         })
     };
-    surfaces.filter_map(part).collect()
+    target.parts(skeleton.bones.len()).into_iter().filter_map(look).collect()
 }
 
 impl Look<'_> {
