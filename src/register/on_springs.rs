@@ -67,6 +67,7 @@ mod tests {
         assert!((same.centre - moments.centre).norm() < 1e-12);
         assert!((same.spread - moments.spread).norm() < 1e-12 * moments.spread.norm());
     }
+
     #[test]
     fn a_bone_drawn_astray_goes_with_the_others_on_stiff_springs_and_its_own_way_on_soft_ones() {
         let half = Vec3::new(5.0, 2.0, 1.0);

@@ -55,7 +55,7 @@ pub(super) enum Side {
     Landmark,
 }
 
-/// Bones that are searched as one; their vertices and triangles are numbered anew.
+/// Bones that are searched as one; their vertices and triangles have numbers of their own.
 #[derive(Clone, Debug)]
 pub(super) struct Bones {
     /// The template's number of each vertex and of each triangle.
