@@ -24,6 +24,8 @@ pub enum Truth {
     Vertices(Vec<Vec3>),
     /// Its surface.
     Surface(TriMesh),
+    /// A part of its surface: it shows where the bone is wrong, not that the rest of it is right.
+    Part(TriMesh),
 }
 
 pub struct Case {
@@ -56,7 +58,9 @@ const SHOWN_WITHIN: f64 = 2.5;
 impl Truth {
     /// The share of its places that a surface shows.
     fn shown_by(&self, surface: &ClosestPoints) -> f64 {
-        let (Self::Vertices(points) | Self::Surface(TriMesh { points, .. })) = self;
+        let (Self::Vertices(points)
+        | Self::Surface(TriMesh { points, .. })
+        | Self::Part(TriMesh { points, .. })) = self;
         let shown = points.iter().filter(|p| surface.closest_within(p, SHOWN_WITHIN).is_some());
         shown.count() as f64 / points.len() as f64
     }
@@ -130,6 +134,7 @@ impl Person {
             truth.as_ref().map(|truth| match truth {
                 Truth::Vertices(points) => Truth::Vertices(points.iter().map(map).collect()),
                 Truth::Surface(surface) => Truth::Surface(mapped(surface, map)),
+                Truth::Part(surface) => Truth::Part(mapped(surface, map)),
             })
         });
         self.case_of(what, mapped(&self.scan, map), truth.collect())
@@ -301,7 +306,7 @@ fn pelvis(data: &Path) -> Vec<Case> {
         (name.to_owned(), TriMesh { points, triangles })
     });
     let target = Target::per_bone(&template, seen.to_vec()).unwrap_or_else(|e| panic!("{e}"));
-    let truth = seen.iter().map(|(_, surface)| Some(Truth::Surface(surface.clone()))).collect();
+    let truth = seen.iter().map(|(_, surface)| Some(Truth::Part(surface.clone()))).collect();
     let name = "pelvis: CT that cuts the bones".into();
     let shown = vec![1.0; seen.len()];
     vec![Case { name, template, target, truth, shown, wrong: 5.0, refused: false }]

@@ -36,11 +36,11 @@ struct Counts {
 }
 
 impl Counts {
-    fn add(&mut self, error: f64, wrong: f64, named: bool) {
-        if error > wrong {
+    fn add(&mut self, error: f64, case: &Case, b: usize, named: bool) {
+        if error > case.wrong {
             self.wrong += 1;
             self.wrong_named += usize::from(named);
-        } else if error <= RIGHT {
+        } else if error <= RIGHT && !matches!(case.truth[b], Some(Truth::Part(_))) {
             self.right += 1;
             self.right_named += usize::from(named);
         }
@@ -64,7 +64,7 @@ fn error(case: &Case, found: &Registered, b: usize) -> Option<f64> {
                 bone.points.iter().zip(truth).map(|(p, q)| (p - q).norm_squared()).sum();
             (squares / count).sqrt()
         }
-        Truth::Surface(surface) => {
+        Truth::Surface(surface) | Truth::Part(surface) => {
             let search = ClosestPoints::new(&bone.points, &bone.triangles);
             let hits = search.closest_many(&surface.points);
             let distances = hits.iter().flatten().zip(&surface.points);
@@ -131,7 +131,7 @@ fn run(case: &Case, lines: &mut String) -> Counts {
     let mut errors: [Vec<f64>; 3] = Default::default();
     for (b, bone) in found.bones.iter().enumerate() {
         let Some(error) = error(case, &found, b) else { continue };
-        counts.add(error, case.wrong, bone.verdict > Verdict::Good);
+        counts.add(error, case, b, bone.verdict > Verdict::Good);
         let place = match case.shown[b] {
             shown if shown >= SHOWN => 0,
             shown if shown > 1.0 - SHOWN => 1,

@@ -359,10 +359,8 @@ mod tests {
         assert!((angle - 0.2).abs() < 0.01 && (beyond - 5.7).abs() < 0.6, "{angle} {beyond}");
         let walls = [found(0.2, Limits::Hard, None), found(0.2, Limits::Soft, Some(Limits::Hard))];
         assert!(walls.iter().all(|(angle, beyond)| *angle < 0.11 && *beyond < 1e-6), "{walls:?}");
-        // Without limits the turn of a block is not found to the end, but it goes beyond the slack.
-        let (soft, _) = found(0.4, Limits::Soft, None);
-        let (free, _) = found(0.4, Limits::None, None);
-        assert!(soft < 0.28 && free > 0.3, "{soft} {free}");
+        let [soft, free] = [Limits::Soft, Limits::None].map(|limits| found(0.45, limits, None).0);
+        assert!(soft < 0.28 && (free - 0.45).abs() < 0.01, "{soft} {free}");
     }
 
     #[test]

@@ -56,7 +56,7 @@ pub(super) struct BoneCoverage {
     pub(super) has_data: bool,
     /// Share of the bone that lies on the target.
     pub(super) seen: f64,
-    /// Share of the bone that lies on a place of the target that another bone is nearer to.
+    /// Share of the bone that lies on a place of the target on which another bone lies, nearer than it.
     pub(super) shared: f64,
     /// Target that lies nearest to this bone but not on it, as a share of the bone's area.
     pub(super) unexplained: f64,
@@ -93,10 +93,10 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
         }
         let mut owner = vec![usize::MAX; look.surface.mesh.points.len()];
         for sight in backward {
-            owner[sight.at] = sight.bone;
             whole += sight.area;
             let bone = &mut bones[sight.bone];
             if lies_on(sight) {
+                owner[sight.at] = sight.bone;
                 explained += sight.area;
             } else {
                 bone.unexplained += sight.area;

@@ -53,7 +53,15 @@ pub(super) fn surface_findings(
     let seen = &coverage.bones[b];
     if !seen.has_data {
         let reason = "the target has no surface of it: it follows its joints".to_owned();
-        return (0.0, vec![Finding { share: f64::INFINITY, verdict: Verdict::Doubtful, reason }]);
+        return (
+            0.0,
+            vec![Finding {
+                share: f64::INFINITY,
+                verdict: Verdict::Doubtful,
+                reason,
+                against: None,
+            }],
+        );
     }
     let beyond_noise = seen.forward > NOISE * coverage.middle;
     let far = if beyond_noise { seen.forward / change.radius } else { 0.0 };
@@ -137,7 +145,7 @@ pub(super) fn shape_findings(
             own.size / changes[other].size,
             template.bones[other].name
         );
-        findings.push(Finding::new(ratio(&other), SIZE, reason));
+        findings.push(Finding::new(ratio(&other), SIZE, reason).against(other));
     }
     findings.extend(turned(evidence, b));
     findings.extend(missed(evidence, own.radius, b));
@@ -158,13 +166,13 @@ fn missed(evidence: &Evidence, radius: f64, b: usize) -> Option<Finding> {
 /// The joint of a bone that its data would turn furthest beyond its limit.
 fn turned(evidence: &Evidence, b: usize) -> Option<Finding> {
     let joints = evidence.template.joints.iter().zip(evidence.joints);
-    let own = joints.filter(|(joint, _)| joint.neighbour(b).is_some()).map(|(_, summary)| summary);
-    let excess = |joint: &&JointSummary| joint.wanted_excess_degrees;
-    let joint = own.max_by(|p, q| excess(p).total_cmp(&excess(q)))?;
+    let own = joints.filter_map(|(joint, summary)| Some((joint.neighbour(b)?, summary)));
+    let excess = |(_, joint): &(usize, &JointSummary)| joint.wanted_excess_degrees;
+    let (other, joint) = own.max_by(|p, q| excess(p).total_cmp(&excess(q)))?;
     let axis = ["first", "second", "third"][joint.wanted_rotation.iamax()];
     let reason = format!(
         "its data would turn {} {:.1} degrees beyond its limit, most about its {axis} axis; widen the limit if this person can do that",
         joint.name, joint.wanted_excess_degrees
     );
-    Some(Finding::new(joint.wanted_excess_degrees, TURNED, reason))
+    Some(Finding::new(joint.wanted_excess_degrees, TURNED, reason).against(other))
 }

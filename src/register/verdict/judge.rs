@@ -48,13 +48,24 @@ pub(in crate::register) fn judge_bones(
         shares.push(share);
         findings.push(own);
     }
+    blame(&mut findings);
     spread_doubt(evidence.template, &mut findings);
     let judgements = findings.into_iter().map(Judgement::new);
     (judgements.zip(shares).collect(), seen.map(|coverage| coverage.explained))
 }
 
+/// Where two bones do not go together and something else speaks against one of them, it is that one.
+fn blame(findings: &mut [Vec<Finding>]) {
+    let alone =
+        |own: &Vec<Finding>| own.iter().any(|f| f.verdict > Verdict::Good && f.against.is_none());
+    let in_doubt: Vec<bool> = findings.iter().map(alone).collect();
+    for (b, own) in findings.iter_mut().enumerate() {
+        own.retain(|f| in_doubt[b] || f.against.is_none_or(|other| !in_doubt[other]));
+    }
+}
+
 /// Bones jointed to one in doubt are doubtful from a part of the limits on, and so on from bone to
-/// bone.
+/// bone; what two bones have against each other does not count twice.
 fn spread_doubt(template: &Skeleton, findings: &mut [Vec<Finding>]) {
     let named = |own: &Vec<Finding>| own.iter().any(|f| f.verdict > Verdict::Good);
     let mut beside: Vec<usize> = (0..findings.len()).filter(|&b| named(&findings[b])).collect();
@@ -66,7 +77,7 @@ fn spread_doubt(template: &Skeleton, findings: &mut [Vec<Finding>]) {
                 continue;
             }
             for finding in &mut findings[other] {
-                if finding.share > BESIDE {
+                if finding.share > BESIDE && finding.against.is_none() {
                     finding.verdict = Verdict::Doubtful;
                     finding.reason.push_str(&beside_doubt);
                 }
@@ -103,5 +114,22 @@ mod tests {
         assert_eq!(judgements[3].reasons, ["so (it hangs on bone 2, which is in doubt)"]);
         let worst = Finding::new(f64::NAN, [1.0, 2.0], String::new());
         assert_eq!(worst.verdict, Verdict::Failed);
+    }
+
+    #[test]
+    fn of_two_bones_that_do_not_go_together_the_one_with_something_else_against_it_is_in_doubt() {
+        let own = |figure: f64| Finding::new(figure, [1.0, 2.0], "own".into());
+        let against = |other: usize| Finding::new(1.5, [1.0, 2.0], "size".into()).against(other);
+        let mut findings = vec![
+            vec![own(0.4), against(1)],
+            vec![own(1.2), against(0)],
+            vec![against(3)],
+            vec![against(2)],
+        ];
+        blame(&mut findings);
+        let named = |own: &Vec<Finding>| own.iter().any(|f| f.verdict > Verdict::Good);
+        let named: Vec<bool> = findings.iter().map(named).collect();
+        assert_eq!(named, [false, true, true, true]);
+        assert_eq!(findings[1].len(), 2);
     }
 }

@@ -53,6 +53,8 @@ struct Finding {
     share: f64,
     verdict: Verdict,
     reason: String,
+    /// The other bone that may be the wrong one of the two.
+    against: Option<usize>,
 }
 
 impl Finding {
@@ -64,7 +66,13 @@ impl Finding {
             _ if figure <= failed => Verdict::Doubtful,
             _ => Verdict::Failed,
         };
-        Self { share, verdict, reason }
+        Self { share, verdict, reason, against: None }
+    }
+}
+
+impl Finding {
+    fn against(self, other: usize) -> Self {
+        Self { against: Some(other), ..self }
     }
 }
 
