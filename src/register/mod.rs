@@ -41,6 +41,7 @@ pub mod rotation;
 pub mod sampled_clusters;
 mod samples;
 pub mod shape_model;
+mod size;
 pub mod skeleton;
 mod soft_limits;
 mod spring_pose;

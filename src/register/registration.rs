@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use super::areas::vertex_areas;
 use super::attempts::Attempt;
-use super::bone_scales::BoneScales;
+use super::bone_scales::{BoneScales, ScaleFreedom};
 use super::correspond::{Correspond, Correspondences};
 use super::levels::Level;
 use super::options::{Options, Schedule};
@@ -160,6 +160,9 @@ impl Registration {
         if near.is_some() {
             search_coarse = self.search(target, START_SPACING * self.diagonal);
         }
+        if self.options.align && self.options.scale_freedom > ScaleFreedom::Fixed {
+            self.take_size(&mut search_coarse, &mut state);
+        }
         let bone_count = self.template.bones.len();
         let pieces = self.options.own_pieces.then(|| Pieces::new(target, bone_count)).flatten();
         let mut owned: Option<Owned> = None;
@@ -266,7 +269,7 @@ impl Registration {
         trace
     }
 
-    fn masses(&self, pairs: &Correspondences) -> Vec<f64> {
+    pub(super) fn masses(&self, pairs: &Correspondences) -> Vec<f64> {
         pairs.weight.iter().zip(&self.areas).map(|(w, area)| w + UNSEEN_WEIGHT * area).collect()
     }
 

@@ -197,6 +197,19 @@ impl Skeleton {
         }
     }
 
+    /// Makes it larger by `factor` about a point, with its joints.
+    pub(super) fn scale_about(&mut self, centre: &Vec3, factor: f64) {
+        let scaled = |place: &Vec3| centre + factor * (place - centre);
+        for point in &mut self.points {
+            *point = scaled(point);
+        }
+        for joint in &mut self.joints {
+            for frame in [&mut joint.parent_frame, &mut joint.child_frame] {
+                frame.translation.vector = scaled(&frame.translation.vector);
+            }
+        }
+    }
+
     /// Joints of a spanning forest in an order that starts at `root` (then at the first bone of
     /// every further part), each with a flag that tells whether the *child* is the bone reached.
     /// Joints that only close loops are used last.

@@ -21,7 +21,7 @@ const LANDMARK_DISTANCE: f64 = 0.005;
 /// Updates that tell a good starting pose from a bad one.
 const START_UPDATES: usize = 10;
 /// A pose replaces another only when the pairs' distance falls to this share,
-const CLEARLY_BETTER: f64 = 0.95;
+pub(super) const CLEARLY_BETTER: f64 = 0.95;
 /// or that of the bones that were moved to this one, and the whole is not worse.
 const BONES_BETTER: f64 = 0.75;
 /// Rounds of repair.
@@ -199,7 +199,7 @@ impl Registration {
     }
 
     /// The first level after those with springs.
-    fn first_rigid(&self) -> &Level {
+    pub(super) fn first_rigid(&self) -> &Level {
         let rigid = self.levels.iter().find(|level| level.springs.is_none());
         rigid.unwrap_or(&self.levels[0])
     }
