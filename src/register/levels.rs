@@ -100,6 +100,7 @@ impl Registration {
         springs.map(|&softness| Level {
             most_updates: SPRING_UPDATES.min(first.most_updates),
             springs: Some(softness),
+            freedom: ScaleFreedom::Fixed,
             repaired: false,
             ..first.clone()
         })

@@ -4,17 +4,19 @@
 //! rib's place, and the whole chest with it. On springs, stiff ones at first, a chain goes as a whole to where
 //! most of it finds its place.
 
-use nalgebra::{Isometry3, SymmetricEigen};
+use nalgebra::SymmetricEigen;
 
+use super::bone_scales::ScaleFreedom;
 use super::pose::{BoneMoments, moved};
 use super::registration::{Registration, State};
-use super::spring_pose::{Pull, SpringPose};
+use super::spring_pose::SpringPose;
+use super::springs::{Posed, Pull};
 use super::update::{goals, moments};
 use crate::error::Result;
 use crate::math::Vec3;
 
 impl Registration {
-    /// The motions that carry the reference bones towards `wanted` on springs at their joints. `softness`:
+    /// How the reference bones come towards `wanted` on springs at their joints. `softness`:
     /// the distance of a whole bone from its data, as a share of the template's diagonal, that counts as
     /// much as a joint turned by its whole range.
     pub(super) fn pose_on_springs(
@@ -23,7 +25,7 @@ impl Registration {
         State { reference, rest, .. }: &State,
         wanted: &[Vec3],
         [masses, unseen]: [&[f64]; 2],
-    ) -> Result<Vec<Isometry3<f64>>> {
+    ) -> Result<Posed> {
         let moments = moments(reference, masses);
         let goals = goals(reference, &moments, wanted, [masses, unseen]);
         let mut pulls = Vec::new();
@@ -34,7 +36,8 @@ impl Registration {
             let pull = |place| Pull { bone: b, place, goal: moved(&goal, &place), weight };
             pulls.extend(four_places(moments).map(pull));
         }
-        SpringPose::new(reference, self.diagonal, rest, pulls).solve()
+        let sized = self.model.is_none() && self.options.scale_freedom > ScaleFreedom::Fixed;
+        SpringPose::new(reference, self.diagonal, rest, pulls, sized).solve()
     }
 }
 
@@ -54,7 +57,7 @@ mod tests {
     use crate::register::options::Options;
     use crate::register::skeleton::Skeleton;
     use crate::register::skeleton::tests::{block, joint_at};
-    use crate::register::spring_pose::joint_turns;
+    use crate::register::springs::joint_turns;
 
     #[test]
     fn four_places_stand_for_a_bone() {
@@ -95,7 +98,7 @@ mod tests {
                 &wanted,
                 [&registration.areas, &none],
             );
-            moved(&posed.unwrap()[2], &at(2)).y
+            moved(&posed.unwrap().motions[2], &at(2)).y
         };
         // The mean of all is .2.
         let [stiff, soft] = [0.5, 0.001].map(end);

@@ -101,8 +101,7 @@ pub struct Options {
     /// At the end, joint points of two bones up to this many shift limits apart are joined in their
     /// middle instead of pulling the bones off the data (1 = pull the bones).
     pub seat_factor: f64,
-    /// Find the start by trying many rotations, in the size in which all bones together fit best;
-    /// otherwise the template starts as it lies.
+    /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
     /// Attempts after the plain one at most, where bones stay in doubt.
     pub further_attempts: usize,

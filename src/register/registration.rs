@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use super::areas::vertex_areas;
 use super::attempts::Attempt;
-use super::bone_scales::{BoneScales, ScaleFreedom};
+use super::bone_scales::BoneScales;
 use super::correspond::{Correspond, Correspondences};
 use super::levels::Level;
 use super::options::{Options, Schedule};
@@ -17,7 +17,7 @@ use super::pairs::PairRules;
 use super::pieces::without_far_parts;
 use super::shape_model::ShapeModel;
 use super::skeleton::Skeleton;
-use super::spring_pose::joint_turns;
+use super::springs::joint_turns;
 use super::start::START_SPACING;
 use super::summary::{LevelTrace, Registered};
 use super::target::Target;
@@ -160,9 +160,6 @@ impl Registration {
         if near.is_some() {
             search_coarse = self.search(target, START_SPACING * self.diagonal);
         }
-        if self.options.align && self.options.scale_freedom > ScaleFreedom::Fixed {
-            self.take_size(&mut search_coarse, &mut state);
-        }
         let bone_count = self.template.bones.len();
         let pieces = self.options.own_pieces.then(|| Pieces::new(target, bone_count)).flatten();
         let mut owned: Option<Owned> = None;
@@ -269,7 +266,7 @@ impl Registration {
         trace
     }
 
-    pub(super) fn masses(&self, pairs: &Correspondences) -> Vec<f64> {
+    fn masses(&self, pairs: &Correspondences) -> Vec<f64> {
         pairs.weight.iter().zip(&self.areas).map(|(w, area)| w + UNSEEN_WEIGHT * area).collect()
     }
 

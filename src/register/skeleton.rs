@@ -197,16 +197,17 @@ impl Skeleton {
         }
     }
 
-    /// Makes it larger by `factor` about a point, with its joints.
-    pub(super) fn scale_about(&mut self, centre: &Vec3, factor: f64) {
-        let scaled = |place: &Vec3| centre + factor * (place - centre);
-        for point in &mut self.points {
-            *point = scaled(point);
+    /// Makes every bone larger by `factor` about its own centre, with its sides of the joints.
+    pub(super) fn scale_bones(&mut self, centres: &[Vec3], factor: f64) {
+        let scale = |b: usize, place: &mut Vec3| {
+            *place = centres[b] + factor * (*place - centres[b]);
+        };
+        for (b, bone) in self.bones.iter().enumerate() {
+            self.points[bone.vertices.clone()].iter_mut().for_each(|point| scale(b, point));
         }
         for joint in &mut self.joints {
-            for frame in [&mut joint.parent_frame, &mut joint.child_frame] {
-                frame.translation.vector = scaled(&frame.translation.vector);
-            }
+            scale(joint.parent, &mut joint.parent_frame.translation.vector);
+            scale(joint.child, &mut joint.child_frame.translation.vector);
         }
     }
 

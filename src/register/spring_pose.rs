@@ -2,50 +2,55 @@
 //!
 //! Bones hang on each other by stiff springs at their joints, joints are turned back by springs that are
 //! as soft as their ranges are wide, and the data pull: a nonlinear least-squares problem in the
-//! rigid motions of all bones, solved by Gauss and Newton's method. Bones without data of their own
-//! go where those around them take them.
+//! rigid motions of all bones and the size they have in common, solved by Gauss and Newton's method. Bones
+//! without data of their own go where those around them take them.
 
-use nalgebra::{Isometry3, Matrix3x6};
+use std::sync::Arc;
 
-use super::pose::moved;
-use super::pose_rows::{LONGEST_TURN, Twist, bent, carried, twisted};
-use super::rotation::rotation_vector;
-use super::skeleton::{Joint, Skeleton};
+use nalgebra::Isometry3;
+
+use super::pose_rows::LONGEST_TURN;
+use super::skeleton::Skeleton;
+use super::springs::{Posed, Pull, Springs};
 use crate::error::Result;
 use crate::math::{Mat3, Vec3};
 use crate::solve::{BlockMatrix, BlockPattern, SymbolicFactor};
 
-/// Distance of the two sides of a joint that counts as much as a joint turned by its whole range, as a
-/// share of the template's diagonal.
-const JOINT_GAP: f64 = 0.0005;
-/// Ranges are taken as at least and at most so wide, radians.
-const RANGES: [f64; 2] = [0.05, 1.5];
 /// What holds a bone where nothing else does: a shift by so many diagonals, and a turn by so many radians,
 /// count as much as a joint turned by its whole range.
 const HOLD: [f64; 2] = [5.0, 1000.0];
+/// Logarithm of a change of size that counts as much as a joint turned by its whole range.
+const SIZE: f64 = 0.5;
 const MOST_STEPS: usize = 60;
 const MOST_HALVINGS: i32 = 8;
 /// At rest when a step saves less than this share.
 const REST: f64 = 1e-6;
 
-/// A place of a bone that is drawn to where the data have it.
-pub(super) struct Pull {
-    pub(super) bone: usize,
-    /// On the skeleton, before all motions.
-    pub(super) place: Vec3,
-    pub(super) goal: Vec3,
-    /// Of the squared distance; 1 over the square of the distance that counts as much as a joint turned by
-    /// its whole range.
-    pub(super) weight: f64,
+/// Derivatives of the energy: first in the bones' twists, last in the logarithm of the size.
+struct Derivatives {
+    gradient: Vec<f64>,
+    /// Gauss and Newton's matrix of the twists,
+    matrix: BlockMatrix,
+    /// its column of the size, and its last entry.
+    by_size: Vec<f64>,
+    by_size_twice: f64,
 }
 
-/// Three springs: their elongations, weights, and how the bones' twists (shift, and turn about the
-/// bone's centre) change them.
-struct Springs {
-    bones: [usize; 2],
-    parts: [Matrix3x6<f64>; 2],
-    elongation: Vec3,
-    weights: Vec3,
+impl Derivatives {
+    /// Newton's step, up the slope.
+    fn step(mut self, symbolic: &Arc<SymbolicFactor>) -> Result<Vec<f64>> {
+        let factor = symbolic.factor(&self.matrix)?;
+        let along = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut follow = self.by_size.clone();
+        factor.solve(&mut follow);
+        let size = self.gradient.pop().unwrap_or(0.0);
+        let step_of_size = (size - along(&follow, &self.gradient))
+            / (self.by_size_twice - along(&follow, &self.by_size));
+        factor.solve(&mut self.gradient);
+        self.gradient.iter_mut().zip(&follow).for_each(|(g, f)| *g -= step_of_size * f);
+        self.gradient.push(step_of_size);
+        Ok(self.gradient)
+    }
 }
 
 /// The springs of a skeleton and its data.
@@ -56,13 +61,8 @@ pub(super) struct SpringPose<'a> {
     rest: &'a [Vec3],
     pulls: Vec<Pull>,
     centres: Vec<Vec3>,
-}
-
-/// The rotation vectors of all joints.
-pub(super) fn joint_turns(skeleton: &Skeleton) -> Vec<Vec3> {
-    let still = Isometry3::identity();
-    let turn = |joint: &Joint| rotation_vector(&joint.transform(&still, &still).rotation);
-    skeleton.joints.iter().map(turn).collect()
+    /// Whether the bones may change their size.
+    sized: bool,
 }
 
 impl<'a> SpringPose<'a> {
@@ -71,31 +71,31 @@ impl<'a> SpringPose<'a> {
         diagonal: f64,
         rest: &'a [Vec3],
         pulls: Vec<Pull>,
+        sized: bool,
     ) -> Self {
         let centre = |range: std::ops::Range<usize>| {
             let count = range.len().max(1) as f64;
             skeleton.points[range].iter().sum::<Vec3>() / count
         };
         let centres = skeleton.bones.iter().map(|b| centre(b.vertices.clone())).collect();
-        Self { skeleton, diagonal, rest, pulls, centres }
+        Self { skeleton, diagonal, rest, pulls, centres, sized }
     }
 
-    /// The motions of all bones.
-    pub(super) fn solve(&self) -> Result<Vec<Isometry3<f64>>> {
+    /// The motions of all bones and their size.
+    pub(super) fn solve(&self) -> Result<Posed> {
         let links: Vec<(u32, u32)> =
             self.skeleton.joints.iter().map(|j| (j.parent as u32, j.child as u32)).collect();
         let pattern = BlockPattern::of_links(&self.centres, &links, 6);
         let symbolic = SymbolicFactor::new(&pattern)?;
-        let mut pose = vec![Isometry3::identity(); self.centres.len()];
+        let mut pose = self.still();
         let mut energy = self.energy(&pose);
         for _ in 0..MOST_STEPS {
-            let (mut step, matrix) = self.gradient_and_matrix(&pattern, &pose);
-            symbolic.factor(&matrix)?.solve(&mut step);
-            let turn =
-                step.chunks(6).map(|s| Vec3::new(s[3], s[4], s[5]).norm()).fold(0.0, f64::max);
+            let step = self.derivatives(&pattern, &pose).step(&symbolic)?;
+            let turns = step.chunks_exact(6).map(|s| Vec3::new(s[3], s[4], s[5]).norm());
+            let turn = turns.fold(step.last().map_or(0.0, |size| size.abs()), f64::max);
             let longest = -(LONGEST_TURN / turn).min(1.0);
             let mut tried = (0..=MOST_HALVINGS).map(|halvings| {
-                let next = self.stepped(&pose, &step, longest * 0.5_f64.powi(halvings));
+                let next = pose.stepped(&step, longest * 0.5_f64.powi(halvings));
                 (self.energy(&next), next)
             });
             let Some((after, next)) = tried.find(|(after, _)| *after < energy) else {
@@ -110,27 +110,23 @@ impl<'a> SpringPose<'a> {
         Ok(pose)
     }
 
-    fn stepped(&self, pose: &[Isometry3<f64>], step: &[f64], share: f64) -> Vec<Isometry3<f64>> {
-        let bones = pose.iter().zip(&self.centres).zip(step.chunks(6));
-        let stepped = bones.map(|((motion, centre), step)| {
-            twisted(motion, centre, &(Twist::from_column_slice(step) * share))
-        });
-        stepped.collect()
+    fn still(&self) -> Posed {
+        let motions = vec![Isometry3::identity(); self.centres.len()];
+        Posed { motions, size: 1.0, centres: self.centres.clone() }
     }
 
-    fn energy(&self, pose: &[Isometry3<f64>]) -> f64 {
+    fn energy(&self, pose: &Posed) -> f64 {
         let of = |s: &Springs| s.elongation.component_mul(&s.elongation).dot(&s.weights) / 2.0;
-        self.springs(pose).iter().map(of).sum()
+        let springs: f64 = self.springs(pose).iter().map(of).sum();
+        springs + (pose.size.ln() / SIZE).powi(2) / 2.0
     }
 
-    /// First derivative of the energy in the bones' twists, and Gauss and Newton's matrix.
-    fn gradient_and_matrix(
-        &self,
-        pattern: &BlockPattern,
-        pose: &[Isometry3<f64>],
-    ) -> (Vec<f64>, BlockMatrix) {
-        let mut gradient = vec![0.0; pattern.size()];
+    fn derivatives(&self, pattern: &BlockPattern, pose: &Posed) -> Derivatives {
+        let mut gradient = vec![0.0; pattern.size() + 1];
         let mut values = vec![0.0; pattern.row_idx.len()];
+        let mut by_size = vec![0.0; pattern.size()];
+        let mut by_size_twice = SIZE.powi(-2);
+        gradient[pattern.size()] = pose.size.ln() / SIZE.powi(2);
         let hold = [HOLD[0] * self.diagonal, HOLD[1]].map(|far| far.powi(-2));
         for b in 0..self.centres.len() as u32 {
             for k in 0..6 {
@@ -140,9 +136,14 @@ impl<'a> SpringPose<'a> {
         for springs in self.springs(pose) {
             let weighted = Mat3::from_diagonal(&springs.weights);
             let sides = || springs.bones.iter().zip(&springs.parts);
+            gradient[pattern.size()] += springs.by_size.dot(&(weighted * springs.elongation));
+            by_size_twice += springs.by_size.dot(&(weighted * springs.by_size));
             for (&b, part) in sides() {
+                let own = 6 * b..6 * b + 6;
                 let pull = part.tr_mul(&(weighted * springs.elongation));
-                gradient[6 * b..6 * b + 6].iter_mut().zip(&pull).for_each(|(g, p)| *g += p);
+                gradient[own.clone()].iter_mut().zip(&pull).for_each(|(g, p)| *g += p);
+                let coupled = part.tr_mul(&(weighted * springs.by_size));
+                by_size[own].iter_mut().zip(&coupled).for_each(|(g, p)| *g += p);
                 for (&c, other) in sides().filter(|(c, _)| **c <= b) {
                     let block = part.tr_mul(&(weighted * other));
                     for column in 0..6 {
@@ -154,59 +155,21 @@ impl<'a> SpringPose<'a> {
                 }
             }
         }
-        (gradient, BlockMatrix { values })
+        if !self.sized {
+            gradient[pattern.size()] = 0.0;
+            by_size.fill(0.0);
+        }
+        Derivatives { gradient, matrix: BlockMatrix { values }, by_size, by_size_twice }
     }
 
-    fn springs(&self, pose: &[Isometry3<f64>]) -> Vec<Springs> {
+    fn springs(&self, pose: &Posed) -> Vec<Springs> {
         let mut springs: Vec<Springs> =
-            self.pulls.iter().map(|pull| self.pull(pull, pose)).collect();
+            self.pulls.iter().map(|pull| Springs::pull(pull, pose)).collect();
         for (joint, rest) in self.skeleton.joints.iter().zip(self.rest) {
-            springs.push(self.gap(joint, pose));
-            springs.push(turn(joint, rest, pose));
+            springs.push(Springs::gap(joint, self.diagonal, pose));
+            springs.push(Springs::turn(joint, rest, pose));
         }
         springs
-    }
-
-    /// How the point `at` goes with a bone's twist.
-    fn carried(&self, bone: usize, at: &Vec3, pose: &[Isometry3<f64>]) -> Matrix3x6<f64> {
-        carried(at, &moved(&pose[bone], &self.centres[bone]))
-    }
-
-    fn pull(&self, pull: &Pull, pose: &[Isometry3<f64>]) -> Springs {
-        let at = moved(&pose[pull.bone], &pull.place);
-        Springs {
-            bones: [pull.bone, pull.bone],
-            parts: [self.carried(pull.bone, &at, pose), Matrix3x6::zeros()],
-            elongation: at - pull.goal,
-            weights: Vec3::repeat(pull.weight),
-        }
-    }
-
-    /// The two sides of a joint come to the same place.
-    fn gap(&self, joint: &Joint, pose: &[Isometry3<f64>]) -> Springs {
-        let (p, c) = (joint.parent, joint.child);
-        let at_parent = moved(&pose[p], &joint.parent_frame.translation.vector);
-        let at_child = moved(&pose[c], &joint.child_frame.translation.vector);
-        Springs {
-            bones: [p, c],
-            parts: [-self.carried(p, &at_parent, pose), self.carried(c, &at_child, pose)],
-            elongation: at_child - at_parent,
-            weights: Vec3::repeat((JOINT_GAP * self.diagonal).powi(-2)),
-        }
-    }
-}
-
-/// A joint turns back to where it is at rest.
-fn turn(joint: &Joint, rest: &Vec3, pose: &[Isometry3<f64>]) -> Springs {
-    let transform = joint.transform(&pose[joint.parent], &pose[joint.child]);
-    let r = rotation_vector(&transform.rotation);
-    let parent = (pose[joint.parent] * joint.parent_frame).rotation;
-    let range = joint.limits.half_axes(&(r - rest)).map(|e| e.clamp(RANGES[0], RANGES[1]));
-    Springs {
-        bones: [joint.parent, joint.child],
-        parts: bent(&r, &parent),
-        elongation: r - rest,
-        weights: range.map(|e| e.powi(-2)),
     }
 }
 
@@ -217,8 +180,10 @@ mod tests {
     use super::*;
     use crate::math::derivative_check::order_of_convergence;
     use crate::register::joint_limits::JointLimits;
+    use crate::register::pose::moved;
     use crate::register::rotation::turned_about;
     use crate::register::skeleton::tests::{block, joint_at};
+    use crate::register::springs::joint_turns;
 
     /// Four blocks in a row, the joint in the middle wide, the others narrow.
     fn chain() -> Skeleton {
@@ -255,12 +220,31 @@ mod tests {
         let truth = [away, away, away * bend, away * bend];
         let rest = joint_turns(&skeleton);
         let pulls = pulls(&skeleton, &truth);
-        let found = SpringPose::new(&skeleton, 40.0, &rest, pulls).solve().unwrap();
+        let found = SpringPose::new(&skeleton, 40.0, &rest, pulls, false).solve().unwrap();
         for (b, bone) in skeleton.bones.iter().enumerate() {
             for p in &skeleton.points[bone.vertices.clone()] {
-                let off = (moved(&found[b], p) - moved(&truth[b], p)).norm();
+                let off = (moved(&found.motions[b], p) - moved(&truth[b], p)).norm();
                 assert!(off < 0.3, "{b} {off}");
             }
+        }
+    }
+
+    #[test]
+    fn a_person_of_another_size_is_found_where_bones_may_change_theirs() {
+        let skeleton = chain();
+        let (middle, rest) = (Vec3::new(16.5, 0.0, 0.0), joint_turns(&skeleton));
+        let size_of = |size: f64, sized: bool| {
+            let at = |bone: usize, x: f64| {
+                let place = Vec3::new(x, if x > 0.0 { 1.0 } else { 2.0 }, 0.0);
+                Pull { bone, place, goal: middle + size * (place - middle), weight: 25.0 }
+            };
+            let pulls = vec![at(0, -5.0), at(0, 5.0), at(3, 30.0), at(3, 36.0)];
+            SpringPose::new(&skeleton, 40.0, &rest, pulls, sized).solve().unwrap().size
+        };
+        for size in [0.6, 1.5] {
+            let found = size_of(size, true);
+            assert!((found / size - 1.0).abs() < 0.02, "{size} {found}");
+            assert!((size_of(size, false) - 1.0).abs() < 1e-12);
         }
     }
 
@@ -271,19 +255,19 @@ mod tests {
             let (x, y) = (0.1 * k as f64, 0.2 - 0.07 * k as f64);
             Isometry3::new(Vec3::new(x, y, -x), Vec3::new(y, -x, 0.3 * x))
         };
-        let pose: Vec<_> = (0..4).map(motion).collect();
         let pulls = pulls(&skeleton, &[Isometry3::translation(0.5, 0.1, -0.2); 4]);
         let rest = joint_turns(&skeleton);
-        let problem = SpringPose::new(&skeleton, 40.0, &rest, pulls);
+        let problem = SpringPose::new(&skeleton, 40.0, &rest, pulls, true);
+        let motions = (0..4).map(motion).collect();
+        let pose = Posed { motions, size: 1.2, ..problem.still() };
         let links: Vec<_> = (0..3).map(|k| (k, k + 1)).collect();
         let pattern = BlockPattern::of_links(&problem.centres, &links, 6);
-        let (gradient, _) = problem.gradient_and_matrix(&pattern, &pose);
+        let gradient = problem.derivatives(&pattern, &pose).gradient;
         let direction: Vec<f64> =
-            (0..24).map(|k| f64::from((7 * k + 3) % 11) / 11.0 - 0.4).collect();
+            (0..25).map(|k| f64::from((7 * k + 3) % 11) / 11.0 - 0.4).collect();
         let slope: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
         let order = order_of_convergence(|h| {
-            let [ahead, back] =
-                [h, -h].map(|h| problem.energy(&problem.stepped(&pose, &direction, h)));
+            let [ahead, back] = [h, -h].map(|h| problem.energy(&pose.stepped(&direction, h)));
             nalgebra::Vector1::new((ahead - back) / (2.0 * h) / slope - 1.0)
         });
         assert!(order > 1.9, "{order}");

@@ -10,7 +10,8 @@ use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_starts;
 use super::registration::{Registration, State};
 use super::skeleton::Skeleton;
-use super::spring_pose::{Pull, SpringPose, joint_turns};
+use super::spring_pose::SpringPose;
+use super::springs::{Pull, joint_turns};
 use super::target::Target;
 use crate::math::median;
 use crate::run::Run;
@@ -21,7 +22,7 @@ const LANDMARK_DISTANCE: f64 = 0.005;
 /// Updates that tell a good starting pose from a bad one.
 const START_UPDATES: usize = 10;
 /// A pose replaces another only when the pairs' distance falls to this share,
-pub(super) const CLEARLY_BETTER: f64 = 0.95;
+const CLEARLY_BETTER: f64 = 0.95;
 /// or that of the bones that were moved to this one, and the whole is not worse.
 const BONES_BETTER: f64 = 0.75;
 /// Rounds of repair.
@@ -93,9 +94,9 @@ impl Registration {
             weight: landmark.weight / (LANDMARK_DISTANCE * self.diagonal).powi(2),
         };
         let (rest, pulls) = (joint_turns(&skeleton), landmarks.iter().map(pull).collect());
-        let found = SpringPose::new(&skeleton, self.diagonal, &rest, pulls).solve();
-        if let Ok(motions) = found {
-            skeleton.move_bones(&motions);
+        let found = SpringPose::new(&skeleton, self.diagonal, &rest, pulls, false).solve();
+        if let Ok(posed) = found {
+            posed.carry(&mut skeleton);
         }
         skeleton
     }
@@ -199,7 +200,7 @@ impl Registration {
     }
 
     /// The first level after those with springs.
-    pub(super) fn first_rigid(&self) -> &Level {
+    fn first_rigid(&self) -> &Level {
         let rigid = self.levels.iter().find(|level| level.springs.is_none());
         rigid.unwrap_or(&self.levels[0])
     }

@@ -48,11 +48,17 @@ impl Registration {
                 put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
             take_shape(&mut state.reference, placed, &self.areas);
         }
-        let on_springs = level.springs.and_then(|soft| {
-            self.pose_on_springs(soft, state, wanted, [masses, &pairs.unseen]).ok()
-        });
-        let motions = on_springs
-            .unwrap_or_else(|| self.pose(&state.reference, wanted, [masses, &pairs.unseen], 0));
+        if let Some(softness) = level.springs
+            && let Ok(posed) =
+                self.pose_on_springs(softness, state, wanted, [masses, &pairs.unseen])
+        {
+            posed.carry(&mut state.reference);
+            for scale in &mut state.scales {
+                *scale *= posed.size;
+            }
+            return;
+        }
+        let motions = self.pose(&state.reference, wanted, [masses, &pairs.unseen], 0);
         state.reference.move_bones(&motions);
     }
 
