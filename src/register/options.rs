@@ -129,7 +129,7 @@ impl Default for Options {
             tolerance: 1.5e-4,
             max_iterations: 30,
             momentum: 0.8,
-            springs: vec![0.04, 0.02, 0.01, 0.005],
+            springs: vec![0.16, 0.08, 0.04, 0.02, 0.01, 0.005],
             joint_sweeps: 10,
             min_cosine: -0.2,
             last_min_cosine: 0.3,

@@ -8,9 +8,7 @@ use crate::register::summary::JointSummary;
 
 // Limits beyond which a figure makes doubtful, and failed.
 /// Share of a bone that the target does not show.
-const UNSEEN: [f64; 2] = [0.6, 0.9];
-/// The same in an image.
-const UNSEEN_IN_IMAGE: [f64; 2] = [0.7, 0.95];
+const UNSEEN: [f64; 2] = [0.7, 0.95];
 /// Share of a bone that lies where another bone lies.
 const SHARED: [f64; 2] = [0.05, 0.3];
 /// Target beside a bone that lies on no bone, as a share of the bone's area.
@@ -41,7 +39,7 @@ pub(super) fn image_findings(evidence: &Evidence, b: usize) -> (f64, Vec<Finding
         "the image shows what the template shows on {:.0} % of it only; look at it on slices",
         100.0 * share
     );
-    (share, vec![Finding::new(1.0 - share, UNSEEN_IN_IMAGE, reason)])
+    (share, vec![Finding::new(1.0 - share, UNSEEN, reason)])
 }
 
 /// Share of bone `b` that lies on the target, and what the target says of it.
