@@ -158,7 +158,8 @@ class Answers(unittest.TestCase):
 
     def test_a_bone_that_the_target_hardly_shows_is_in_doubt_with_its_reasons(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
-        registration.set_target(moulage.TriMesh(self.points, self.triangles[:1]))
+        corner = self.points[self.triangles[0]]
+        registration.set_target(moulage.TriMesh(corner[0] + 0.3 * (corner - corner[0]), [[0, 1, 2]]))
         result = registration.run(align=0)
         fit = result.bone_fit(0)
         self.assertNotEqual(fit["verdict"], "good")
