@@ -1,14 +1,16 @@
 //! What speaks against a bone: figures, their limits, and what can be done about them.
 
+use super::Finding;
 use super::coverage::Coverage;
 use super::distortion::Distortion;
 use super::judge::Evidence;
-use super::{Finding, Verdict};
 use crate::register::summary::JointSummary;
 
 // Limits beyond which a figure makes doubtful, and failed.
 /// Share of a bone that the target does not show.
 const UNSEEN: [f64; 2] = [0.7, 0.95];
+/// The same of a bone that the target has no surface for: always doubtful, never failed.
+const NO_DATA: [f64; 2] = [0.0, 1.0];
 /// Share of a bone that lies where another bone lies.
 const SHARED: [f64; 2] = [0.05, 0.3];
 /// Target beside a bone that lies on no bone, as a share of the bone's area.
@@ -51,15 +53,7 @@ pub(super) fn surface_findings(
     let seen = &coverage.bones[b];
     if !seen.has_data {
         let reason = "the target has no surface of it: it follows its joints".to_owned();
-        return (
-            0.0,
-            vec![Finding {
-                share: f64::INFINITY,
-                verdict: Verdict::Doubtful,
-                reason,
-                against: None,
-            }],
-        );
+        return (0.0, vec![Finding::new(1.0, NO_DATA, reason)]);
     }
     let beyond_noise = seen.forward > NOISE * coverage.middle;
     let far = if beyond_noise { seen.forward / change.radius } else { 0.0 };

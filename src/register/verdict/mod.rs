@@ -68,9 +68,8 @@ impl Finding {
         };
         Self { share, verdict, reason, against: None }
     }
-}
 
-impl Finding {
+    /// The same, against another bone too.
     fn against(self, other: usize) -> Self {
         Self { against: Some(other), ..self }
     }
