@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::inputs::Pair;
+use crate::job::reshape::inputs::Pair;
 use crate::locate::{ClosestPoints, Embedding, NearestPoints};
 use crate::math::{Mat3, Vec3};
 use crate::mesh::TetMesh;

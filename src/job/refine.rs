@@ -6,8 +6,8 @@
 
 use serde::Serialize;
 
-use super::measure::Spread;
 use crate::error::{Error, Result};
+use crate::job::measure::Spread;
 use crate::locate::NearestPoints;
 use crate::math::{Vec3, median};
 use crate::mesh::adjacency::vertex_neighbours;
@@ -50,7 +50,7 @@ pub struct Refinement {
 
 /// Looks for the organ's border around `result`. Returns markers with their weights, and what was
 /// found in figures.
-pub(super) fn look(
+pub(crate) fn look(
     volume: &Volume,
     result: &TriMesh,
     users: &[Vec3],

@@ -1,6 +1,6 @@
 //! Small pictures of a surface with markers: a z-buffer, written as PNG.
 
-use crate::job::png_file::png;
+use super::png_file::png;
 use crate::math::Vec3;
 use crate::mesh::{TriMesh, bounding_box};
 

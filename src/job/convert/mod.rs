@@ -1,0 +1,4 @@
+//! Skeletons and motions from one format to another.
+
+pub(crate) mod conversion;
+pub(crate) mod osim_write;

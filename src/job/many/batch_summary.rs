@@ -1,0 +1,235 @@
+//! What a batch came to: `table.csv`, `index.html`, and statistics over results that share vertices.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use super::case::{Case, Status};
+use crate::error::{Error, Result};
+use crate::io::markup::escaped;
+use crate::io::{SurfaceFile, read_surface, write_beside};
+use crate::job::report::picture::{Colour, View, draw};
+use crate::job::reshape::output::stem;
+use crate::job::statistics::ShapeStatistics;
+use crate::mesh::TriMesh;
+
+const SKIN: Colour = [0.86, 0.80, 0.74];
+/// Modes that are drawn and written as surfaces.
+const MODES: usize = 3;
+/// Standard deviations of the drawn shapes.
+const DEVIATIONS: f64 = 2.0;
+
+/// Statistics of one surface over the cases.
+struct Group {
+    name: String,
+    cases: Vec<String>,
+    file: SurfaceFile,
+    triangles: Vec<[u32; 3]>,
+    found: ShapeStatistics,
+}
+
+/// Writes all into `folder`.
+pub(crate) fn write(folder: &Path, cases: &[Case]) -> Result<()> {
+    let table = table(cases)?;
+    write_beside(&folder.join("table.csv"), |out| out.write_all(&table))?;
+    let groups = groups(folder, cases)?;
+    for group in &groups {
+        write_group(&folder.join("statistics").join(&group.name), group)?;
+    }
+    let page = page(cases, &groups);
+    write_beside(&folder.join("index.html"), |out| out.write_all(page.as_bytes()))
+}
+
+/// All figures that any case has.
+fn figure_names(cases: &[Case]) -> Vec<&str> {
+    let all: BTreeSet<&str> =
+        cases.iter().flat_map(|c| c.record.figures.keys().map(String::as_str)).collect();
+    all.into_iter().collect()
+}
+
+/// One row per case. Seconds are left out, so that equal results give equal tables.
+fn table(cases: &[Case]) -> Result<Vec<u8>> {
+    let failed = |e: csv::Error| Error::invalid(format!("the table cannot be written: {e}"));
+    let figures = figure_names(cases);
+    let mut out = csv::Writer::from_writer(Vec::new());
+    let head = ["case", "status"].into_iter().chain(figures.iter().copied()).chain(["message"]);
+    out.write_record(head).map_err(failed)?;
+    for Case { record, .. } in cases {
+        let mut row = vec![record.name.clone(), status(record.status).to_owned()];
+        row.extend(
+            figures
+                .iter()
+                .map(|f| record.figures.get(*f).map_or(String::new(), |v| format!("{v:.6}"))),
+        );
+        row.push(record.message.clone());
+        out.write_record(row).map_err(failed)?;
+    }
+    out.into_inner().map_err(|e| Error::invalid(format!("the table cannot be written: {e}")))
+}
+
+fn status(status: Status) -> &'static str {
+    match status {
+        Status::Good => "good",
+        Status::Doubtful => "doubtful",
+        Status::Failed => "failed",
+    }
+}
+
+/// Surfaces of the same name and the same triangles, of two or more cases.
+fn groups(folder: &Path, cases: &[Case]) -> Result<Vec<Group>> {
+    let with_result = || cases.iter().filter(|c| c.record.status != Status::Failed);
+    let names: BTreeSet<&PathBuf> = with_result().flat_map(|c| &c.record.surfaces).collect();
+    let mut groups = Vec::new();
+    for name in names {
+        let mut members: Vec<(String, SurfaceFile, TriMesh)> = Vec::new();
+        for Case { record, .. } in with_result().filter(|c| c.record.surfaces.contains(name)) {
+            let file = read_surface(&folder.join(&record.name).join(name))?;
+            let mesh = file.mesh()?;
+            // Other templates than the first one's are not comparable.
+            let same = members.first().is_none_or(|m| {
+                m.2.triangles == mesh.triangles && m.2.points.len() == mesh.points.len()
+            });
+            if same {
+                members.push((record.name.clone(), file, mesh));
+            }
+        }
+        if members.len() < 2 {
+            continue;
+        }
+        let shapes: Vec<_> = members.iter().map(|m| m.2.points.clone()).collect();
+        let cases = members.iter().map(|m| m.0.clone()).collect();
+        let (_, file, mesh) = members.swap_remove(0);
+        groups.push(Group {
+            name: stem(name),
+            cases,
+            file,
+            triangles: mesh.triangles,
+            found: ShapeStatistics::of(&shapes)?,
+        });
+    }
+    Ok(groups)
+}
+
+fn write_group(folder: &Path, group: &Group) -> Result<()> {
+    let Group { found, file, .. } = group;
+    file.write_with_points(&folder.join("mean.obj"), &found.mean)?;
+    for mode in 0..found.modes.len().min(MODES) {
+        for (sign, word) in [(-1.0, "minus"), (1.0, "plus")] {
+            let path = folder.join(format!("mode_{}_{word}.obj", mode + 1));
+            file.write_with_points(&path, &found.along(mode, sign * DEVIATIONS))?;
+        }
+    }
+    write_beside(&folder.join("modes.csv"), |out| {
+        writeln!(out, "mode,share,rms_move")?;
+        for (k, (share, moves)) in found.shares.iter().zip(&found.modes).enumerate() {
+            let squares: f64 = moves.iter().map(nalgebra::Matrix::norm_squared).sum();
+            writeln!(out, "{},{share:.6},{:.6}", k + 1, (squares / moves.len() as f64).sqrt())?;
+        }
+        Ok(())
+    })?;
+    write_beside(&folder.join("scores.csv"), |out| {
+        write!(out, "case")?;
+        (1..=found.modes.len()).try_for_each(|k| write!(out, ",mode_{k}"))?;
+        writeln!(out)?;
+        for (case, scores) in group.cases.iter().zip(&found.scores) {
+            write!(out, "{case}")?;
+            scores.iter().try_for_each(|s| write!(out, ",{s:.6}"))?;
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
+fn page(cases: &[Case], groups: &[Group]) -> String {
+    let count = |wanted: Status| cases.iter().filter(|c| c.record.status == wanted).count();
+    let mut html = String::from(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>moulage: batch</title>\
+         <style>body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem}\
+         table{border-collapse:collapse}td,th{padding:.2rem .9rem .2rem 0;text-align:left;border-bottom:1px solid #ddd}\
+         td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}img{width:300px;max-width:100%}\
+         .failed{color:#a11}.doubtful{color:#955b00}.good{color:#176b2c}figure{display:inline-block;margin:0 1rem 1rem 0}\
+         </style></head><body>\n",
+    );
+    let _ = writeln!(
+        html,
+        "<h1>{} cases: {} good, {} doubtful, {} failed</h1>\n<table><tr><th>case<th>status",
+        cases.len(),
+        count(Status::Good),
+        count(Status::Doubtful),
+        count(Status::Failed)
+    );
+    let figures = figure_names(cases);
+    for figure in &figures {
+        let _ = write!(html, "<th class=n>{}", figure.replace('_', " "));
+    }
+    html.push_str("<th class=n>s<th>what to know</tr>\n");
+    for Case { record, kept } in cases {
+        let name = escaped(&record.name);
+        let link = if record.status == Status::Failed {
+            name
+        } else {
+            format!("<a href=\"{name}/report/report.html\">{name}</a>")
+        };
+        let word = status(record.status);
+        let kept = if *kept { ", kept" } else { "" };
+        let _ = write!(html, "<tr><td>{link}<td class={word}>{word}{kept}");
+        for figure in &figures {
+            let value = record.figures.get(*figure);
+            let _ = write!(html, "<td class=n>{}", value.map_or_else(String::new, number));
+        }
+        let _ = writeln!(
+            html,
+            "<td class=n>{:.1}<td>{}</tr>",
+            record.seconds,
+            escaped(&record.message)
+        );
+    }
+    html.push_str("</table>\n");
+    for group in groups {
+        html.push_str(&statistics(group));
+    }
+    let _ = writeln!(
+        html,
+        "<p>moulage {}. Lengths are in the templates' unit.</p></body></html>",
+        env!("CARGO_PKG_VERSION")
+    );
+    html
+}
+
+fn statistics(group: &Group) -> String {
+    let found = &group.found;
+    let name = escaped(&group.name);
+    let mut html = format!(
+        "<h2>{name} over {} cases</h2>\n<p>Mean shape and the first modes at {DEVIATIONS} standard deviations, rotation and shift \
+         removed. Files: statistics/{name}/.</p>\n",
+        group.cases.len()
+    );
+    let mut shapes = vec![("mean".to_owned(), found.mean.clone())];
+    for mode in 0..found.modes.len().min(MODES) {
+        let share = 100.0 * found.shares[mode];
+        for (sign, word) in [(-1.0, "&minus;"), (1.0, "+")] {
+            let caption =
+                format!("mode {}, {word}{DEVIATIONS} ({share:.0} % of the variance)", mode + 1);
+            shapes.push((caption, found.along(mode, sign * DEVIATIONS)));
+        }
+    }
+    let frame: Vec<_> = shapes.iter().flat_map(|s| s.1.iter().copied()).collect();
+    for (caption, points) in shapes {
+        let colours = vec![SKIN; points.len()];
+        let mesh = TriMesh { points, triangles: group.triangles.clone() };
+        let png = STANDARD.encode(draw(&mesh, &colours, &[], &frame, View::Front));
+        let _ = writeln!(
+            html,
+            "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{png}\"><figcaption>{caption}</figcaption></figure>"
+        );
+    }
+    html
+}
+
+/// Counts without decimals.
+fn number(value: &f64) -> String {
+    if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.4}") }
+}

@@ -1,0 +1,292 @@
+//! `moulage model`: shape statistics from earlier results, and shapes made from them.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use base64::Engine;
+use serde::Serialize;
+
+use super::model_file::{read_shape_model, write_shape_model};
+use super::output::file_name;
+use super::run::{SkeletonFiles, read_skeleton};
+use super::skeleton_build::skeleton_document;
+use crate::error::{Error, Result};
+use crate::io::write_beside;
+use crate::job::report::picture::{Colour, View, draw};
+use crate::math::Vec3;
+use crate::mesh::TriMesh;
+use crate::register::areas::vertex_areas;
+use crate::register::bone_scales::put_in_place;
+use crate::register::{ShapeModel, Skeleton};
+use crate::run::Run;
+
+/// Modes with pictures in the report.
+const SHOWN_MODES: usize = 4;
+/// How far shapes in pictures are from the mean, standard deviations.
+const SHOWN_DEVIATIONS: f64 = 2.0;
+
+/// `moulage model fit`.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ModelFitJob {
+    /// Template of all the results
+    #[cfg_attr(feature = "cli", arg(value_name = "SKELETON"))]
+    pub skeleton: PathBuf,
+    /// Results of earlier registrations of this template: result.skeleton.json, two or more
+    #[cfg_attr(feature = "cli", arg(value_name = "RESULT", required = true, num_args = 1..))]
+    pub results: Vec<PathBuf>,
+    /// The model: .h5.json, as scalismo reads it
+    #[cfg_attr(feature = "cli", arg(short, long, value_name = "FILE"))]
+    pub out: PathBuf,
+    /// Folder for report.html and report.json: pictures of the modes
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER"))]
+    pub report: Option<PathBuf>,
+}
+
+/// `moulage model shape`.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ModelShapeJob {
+    /// Template of the model
+    #[cfg_attr(feature = "cli", arg(value_name = "SKELETON"))]
+    pub skeleton: PathBuf,
+    /// The model: .h5.json
+    #[cfg_attr(feature = "cli", arg(value_name = "MODEL"))]
+    pub model: PathBuf,
+    /// Coefficients of the first modes, in standard deviations
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NUMBER", num_args = 1.., allow_negative_numbers = true)
+    )]
+    pub coefficients: Vec<f64>,
+    /// Folder for the shape: bones/ and shape.skeleton.json
+    #[cfg_attr(feature = "cli", arg(short, long, value_name = "FOLDER"))]
+    pub out: PathBuf,
+}
+
+/// Figures of a model.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelReport {
+    /// Version of this program.
+    pub version: &'static str,
+    /// The results it was learnt from.
+    pub results: Vec<PathBuf>,
+    /// Root mean square movement of the surface at one standard deviation, the template's unit.
+    pub deviations: Vec<f64>,
+    /// Share of the variance in the first modes.
+    pub explained: Vec<f64>,
+    /// Root mean square distance of each result from what a model of the others makes of it: how well
+    /// the model fits a new person, the template's unit. Empty for two results.
+    pub left_out: Vec<f64>,
+}
+
+/// Learns a model from results and writes it.
+pub fn run_model_fit(job: &ModelFitJob, run: &Run) -> Result<ModelReport> {
+    run.enter("reading", 0.0);
+    let files = read_skeleton(&job.skeleton)?;
+    let template = &files.skeleton;
+    let samples =
+        job.results.iter().map(|path| sample(template, path)).collect::<Result<Vec<_>>>()?;
+    run.enter("principal components", 0.3);
+    let model = ShapeModel::fit(template, &samples)?;
+    let report = ModelReport {
+        version: env!("CARGO_PKG_VERSION"),
+        results: job.results.clone(),
+        deviations: model.deviations(template),
+        explained: model.explained(),
+        left_out: left_out(template, &samples, run)?,
+    };
+    run.enter("writing", 0.9);
+    write_shape_model(&job.out, template, &model)?;
+    if let Some(folder) = &job.report {
+        let json = serde_json::to_string_pretty(&report)
+            .map_err(|e| Error::invalid(format!("the report cannot be written as JSON: {e}")))?;
+        write_beside(&folder.join("report.json"), |out| out.write_all(json.as_bytes()))?;
+        let page = page(&report, template, &model);
+        write_beside(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))?;
+    }
+    run.enter("done", 1.0);
+    Ok(report)
+}
+
+/// The vertices of a result, if it has the template's bones.
+fn sample(template: &Skeleton, path: &Path) -> Result<Vec<Vec3>> {
+    let found = read_skeleton(path)?.skeleton;
+    if !same_bones(template, &found) {
+        return Err(Error::parse(
+            path,
+            None,
+            "not a result of this template: its bones have other names or vertices",
+        ));
+    }
+    Ok(found.points)
+}
+
+/// The root mean square distance of each of three or more samples from what a model of the others makes
+/// of it, in the template's unit; empty for two.
+pub fn left_out(template: &Skeleton, samples: &[Vec<Vec3>], run: &Run) -> Result<Vec<f64>> {
+    if samples.len() < 3 {
+        return Ok(Vec::new());
+    }
+    let areas = vertex_areas(&template.points, &template.triangles);
+    let mut distances = Vec::new();
+    for k in 0..samples.len() {
+        if run.is_cancelled() {
+            return Err(Error::Cancelled);
+        }
+        let mut others = samples.to_vec();
+        let own = others.remove(k);
+        let model = ShapeModel::fit(template, &others)?;
+        let shape = model.synthesize(&model.project(template, &own, &areas));
+        let placed = put_in_place(template, &shape, &own, &areas);
+        let squares: f64 =
+            placed.iter().zip(&own).zip(&areas).map(|((p, q), a)| a * (p - q).norm_squared()).sum();
+        distances.push((squares / areas.iter().sum::<f64>()).sqrt());
+    }
+    Ok(distances)
+}
+
+/// Makes a shape from a model and writes it as a skeleton in the template's pose.
+pub fn run_model_shape(job: &ModelShapeJob) -> Result<PathBuf> {
+    let files = read_skeleton(&job.skeleton)?;
+    let template = &files.skeleton;
+    let model = read_shape_model(template, &job.model)?;
+    if job.coefficients.len() > model.mode_count() {
+        return Err(Error::invalid(format!(
+            "{} coefficients are given, but the model has {} modes",
+            job.coefficients.len(),
+            model.mode_count()
+        )));
+    }
+    let shape = shape_in_place(template, &model.synthesize(&job.coefficients));
+    write_shape(&job.out, &files, &shape)
+}
+
+/// Whether two skeletons have bones of the same names and numbers of vertices, in one order.
+pub fn same_bones(one: &Skeleton, other: &Skeleton) -> bool {
+    one.bones.len() == other.bones.len()
+        && one
+            .bones
+            .iter()
+            .zip(&other.bones)
+            .all(|(a, b)| a.name == b.name && a.vertices == b.vertices)
+}
+
+/// The shape with each bone on the template's and the joints closed again.
+pub fn shape_in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
+    let areas = vertex_areas(&template.points, &template.triangles);
+    let placed = put_in_place(template, shape, &template.points, &areas);
+    let mut skeleton = template.clone();
+    crate::register::joint_frames::take_shape(&mut skeleton, placed, &areas);
+    // Along the joints outwards, each bone is shifted until its joint point lies on its neighbour's.
+    let mut shifts = vec![nalgebra::Isometry3::identity(); skeleton.bones.len()];
+    for (j, to_child) in skeleton.spanning_forest(0) {
+        let joint = &skeleton.joints[j];
+        let gap = joint.parent_frame.translation.vector - joint.child_frame.translation.vector;
+        let (near, far, gap) = if to_child {
+            (joint.parent, joint.child, gap)
+        } else {
+            (joint.child, joint.parent, -gap)
+        };
+        shifts[far] = shifts[near];
+        shifts[far].translation.vector += gap;
+    }
+    skeleton.move_bones(&shifts);
+    skeleton
+}
+
+fn write_shape(folder: &Path, files: &SkeletonFiles, shape: &Skeleton) -> Result<PathBuf> {
+    let mut document = skeleton_document(shape);
+    document.units.clone_from(&files.document.units);
+    document.frame.clone_from(&files.document.frame);
+    for ((bone, entry), file) in shape.bones.iter().zip(&mut document.bones).zip(&files.surfaces) {
+        entry.mesh = format!("bones/{}.obj", file_name(&bone.name));
+        let points = &shape.points[bone.vertices.clone()];
+        file.write_with_points(&folder.join(&entry.mesh), points)?;
+    }
+    let path = folder.join("shape.skeleton.json");
+    let text = document.to_text()?;
+    write_beside(&path, |out| out.write_all(text.as_bytes()))?;
+    Ok(path)
+}
+
+fn page(report: &ModelReport, template: &Skeleton, model: &ShapeModel) -> String {
+    let mut html = String::from(
+        "<!doctype html><meta charset=\"utf-8\"><title>Shape model</title>\
+         <style>body{font:15px sans-serif;margin:2em;max-width:85em}td,th{padding:.1em .8em;\
+         text-align:right}img{width:21em}figure{display:inline-block;margin:.3em}</style>\
+         <h1>Shape model</h1>",
+    );
+    // Writing to a string cannot fail.
+    let _ = write!(
+        html,
+        "<p>{} bones, {} results, {} modes.</p><table><tr><th>mode<th>root mean square at one standard \
+         deviation<th>explained so far</tr>",
+        template.bones.len(),
+        report.results.len(),
+        report.deviations.len()
+    );
+    for (k, (deviation, explained)) in report.deviations.iter().zip(&report.explained).enumerate() {
+        let _ =
+            write!(html, "<tr><td>{}<td>{deviation:.3}<td>{:.1} %</tr>", k + 1, 100.0 * explained);
+    }
+    html.push_str("</table>");
+    if !report.left_out.is_empty() {
+        let mean = report.left_out.iter().sum::<f64>() / report.left_out.len() as f64;
+        let _ = write!(
+            html,
+            "<p>Each result fitted by a model of the others: root mean square {mean:.3}.</p>"
+        );
+    }
+    let _ = write!(
+        html,
+        "<p>Colours: how far the surface moves outwards (red) or inwards (blue) against the mean, at \
+         {SHOWN_DEVIATIONS} standard deviations.</p>"
+    );
+    let mean = shape_in_place(template, model.mean());
+    for mode in 0..model.mode_count().min(SHOWN_MODES) {
+        let _ = write!(html, "<h2>Mode {}</h2>", mode + 1);
+        for side in [-SHOWN_DEVIATIONS, SHOWN_DEVIATIONS] {
+            let mut coefficients = vec![0.0; mode + 1];
+            coefficients[mode] = side;
+            let shape = shape_in_place(template, &model.synthesize(&coefficients));
+            let picture = mode_picture(template, model.mean(), &mean, &shape, &coefficients, model);
+            let png = base64::engine::general_purpose::STANDARD.encode(picture);
+            let _ = write!(
+                html,
+                "<figure><img alt=\"mode {}\" src=\"data:image/png;base64,{png}\">\
+                 <figcaption>{side:+}</figcaption></figure>",
+                mode + 1
+            );
+        }
+    }
+    html
+}
+
+/// A shape with the movement of each bone's surface against the mean in colours.
+fn mode_picture(
+    template: &Skeleton,
+    mean: &[Vec3],
+    frame: &Skeleton,
+    shape: &Skeleton,
+    coefficients: &[f64],
+    model: &ShapeModel,
+) -> Vec<u8> {
+    let surface = TriMesh { points: mean.to_vec(), triangles: template.triangles.clone() };
+    let normals = surface.vertex_normals();
+    let moved = model.synthesize(coefficients);
+    let outwards: Vec<f64> =
+        moved.iter().zip(mean).zip(&normals).map(|((p, q), n)| (p - q).dot(n)).collect();
+    let most = outwards.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE);
+    let colours: Vec<Colour> = outwards
+        .iter()
+        .map(|x| {
+            let share = x / most;
+            let fade = 0.9 * (1.0 - share.abs());
+            if share > 0.0 { [0.9, fade, fade] } else { [fade, fade, 0.9] }
+        })
+        .collect();
+    let mesh = TriMesh { points: shape.points.clone(), triangles: shape.triangles.clone() };
+    let frame: Vec<Vec3> = frame.points.iter().chain(&shape.points).copied().collect();
+    draw(&mesh, &colours, &[], &frame, View::Side)
+}

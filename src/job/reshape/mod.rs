@@ -1,0 +1,14 @@
+//! One reshaping from files to files.
+
+pub(crate) mod attach;
+pub(crate) mod fill;
+pub(crate) mod inputs;
+pub(crate) mod inspect;
+pub(crate) mod output;
+pub(crate) mod page;
+pub(crate) mod plots;
+pub(crate) mod remesh;
+pub(crate) mod report;
+pub(crate) mod result;
+pub(crate) mod run;
+pub(crate) mod spec;

@@ -1,0 +1,145 @@
+//! The files a job writes.
+
+use std::path::{Path, PathBuf};
+
+use super::inputs::Inputs;
+use super::remesh::Course;
+use super::result::Outcome;
+use super::spec::ReshapeJob;
+use crate::error::{Error, Result};
+use crate::io::{DataArray, check_writable, write_ply, write_vtu};
+use crate::job::measure::{distance_to_markers, principal_stretches};
+use crate::mesh::{TetMesh, TriMesh};
+use crate::reshape::Reshaped;
+
+/// A file's name without folder and extension.
+pub(crate) fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Refuses outputs that would come to nothing, before anything is computed.
+pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
+    if job.out.is_none() && job.report.is_none() && job.tets_out.is_none() && job.ply_out.is_none()
+    {
+        return Err(Error::invalid(
+            "no output is named; give the result's file with -o or as out in the job",
+        ));
+    }
+    let needed = [
+        (&job.out, &["obj", "ply", "stl"][..], "-o"),
+        (&job.tets_out, &["vtu"], "--tets-out"),
+        (&job.ply_out, &["ply"], "--ply-out"),
+    ];
+    for (path, extensions, flag) in needed {
+        let Some(path) = path else { continue };
+        let own = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        if !extensions.iter().any(|known| own.as_deref() == Some(known)) {
+            return Err(Error::invalid(format!(
+                "{flag} {}: the name must end in .{}",
+                path.display(),
+                extensions.join(" or .")
+            )));
+        }
+        check_writable(path)?;
+    }
+    if let Some(folder) = &job.report {
+        check_writable(&folder.join("report.json"))?;
+    }
+    if job.carry.as_ref().is_some_and(|list| !list.is_empty()) && job.out.is_none() {
+        return Err(Error::invalid(
+            "meshes to carry are written beside the result; name it with -o",
+        ));
+    }
+    let same = |a: &PathBuf, b: &PathBuf| {
+        a == b || a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a))
+    };
+    match (&job.out, &job.template) {
+        (Some(out), Some(template)) if same(out, template) => Err(Error::invalid(format!(
+            "the result would replace the template {}; give it another name",
+            template.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes all that `job` asks for; returns the files.
+pub(crate) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Result<Vec<PathBuf>> {
+    let course = &outcome.course;
+    let mut written = Vec::new();
+    if let Some(out) = &job.out {
+        inputs.template.write_with_points(out, &course.reshaped.surface_points)?;
+        written.push(out.clone());
+        written.extend(write_carried(out, inputs, course)?);
+    }
+    if let Some(path) = &job.tets_out {
+        let points = course.rest_positions()?;
+        let rest = TetMesh { points, tets: course.filling.mesh.tets.clone() };
+        let mut reshaped = course.reshaped.clone();
+        reshaped.plastic_strain = course.plastic_strain();
+        write_deformed_tets(path, &rest, &course.filling.inside_fraction, &reshaped)?;
+        written.push(path.clone());
+    }
+    let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
+    for path in job.ply_out.iter().chain(&in_report) {
+        write_stretch(path, inputs, outcome)?;
+        written.push(path.clone());
+    }
+    Ok(written)
+}
+
+/// \[W\] 4.3: other meshes follow the tets they lie in; points outside follow the nearest tet.
+fn write_carried(out: &Path, inputs: &Inputs, course: &Course) -> Result<Vec<PathBuf>> {
+    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+    let mut written = Vec::new();
+    for (path, file, points) in &inputs.carried {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let carried = out.with_file_name(format!("{stem}_{name}"));
+        file.write_with_points(&carried, &course.carry(points)?)?;
+        written.push(carried);
+    }
+    Ok(written)
+}
+
+/// The deformed tets; plastic strain and its principal stretches per tet (\[W\] Fig. 1 d, e).
+pub fn write_deformed_tets(
+    path: &Path,
+    tets: &TetMesh,
+    inside_fraction: &[f64],
+    reshaped: &Reshaped,
+) -> Result<()> {
+    let strains = &reshaped.plastic_strain;
+    let stretches: Vec<_> = strains.iter().map(principal_stretches).collect();
+    let matrices: Vec<f64> =
+        strains.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect();
+    let principal: Vec<f64> = stretches.iter().flat_map(|s| [s[0], s[1], s[2]]).collect();
+    let ratio: Vec<f64> = stretches.iter().map(|s| s[0] / s[2]).collect();
+    let rest: Vec<f64> = tets.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let scalar = |name, values| DataArray { name, components: 1, values };
+    // Corner order stays as in the rest mesh: inverted tets must not be turned around here.
+    let deformed = TetMesh { points: reshaped.tet_points.clone(), tets: tets.tets.clone() };
+    write_vtu(
+        path,
+        &deformed,
+        &[
+            DataArray { name: "Fp", components: 9, values: &matrices },
+            DataArray { name: "principal_stretches", components: 3, values: &principal },
+            scalar("stretch_ratio", &ratio),
+            scalar("inside_fraction", inside_fraction),
+        ],
+        &[DataArray { name: "rest_position", components: 3, values: &rest }],
+    )
+}
+
+fn write_stretch(path: &Path, inputs: &Inputs, outcome: &Outcome) -> Result<()> {
+    let mesh = TriMesh {
+        points: outcome.course.reshaped.surface_points.clone(),
+        triangles: inputs.surface.triangles.clone(),
+    };
+    let distance = distance_to_markers(&mesh.points, &outcome.markers);
+    let (largest, smallest) = &outcome.stretch;
+    write_ply(
+        path,
+        &mesh,
+        &[("stretch", largest), ("stretch_min", smallest), ("marker_distance", &distance)],
+    )
+}

@@ -1,0 +1,149 @@
+//! What a run was given, did and reached.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::remesh::Remesh;
+use crate::job::images::compare::SliceFigure;
+use crate::job::label_fit::LabelFit;
+use crate::job::measure::Spread;
+use crate::job::refine::Refinement;
+use crate::math::Vec3;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ending {
+    /// The solver is satisfied.
+    Good,
+    /// The solver found no way on; the result is the best shape it had.
+    GaveUp,
+    /// The caller asked to stop; the result is the best shape so far.
+    Interrupted,
+}
+
+/// Seconds that one stage took.
+#[derive(Clone, Debug, Serialize)]
+pub struct Stage {
+    /// What was done.
+    pub name: String,
+    /// How long.
+    pub seconds: f64,
+}
+
+/// One iteration of the solver. Lengths in the template's unit.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Iteration {
+    /// Share of the markers' full weight.
+    pub data_scale: f64,
+    /// Value of the objective.
+    pub objective: f64,
+    /// Mean distance of the markers.
+    pub mean_marker_distance: f64,
+    /// Largest distance of a marker.
+    pub max_marker_distance: f64,
+    /// Seconds since the start.
+    pub seconds: f64,
+}
+
+/// Something before and after the run.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Change<T> {
+    /// Of the template.
+    pub before: T,
+    /// Of the result.
+    pub after: T,
+}
+
+/// One landmark or attachment.
+#[derive(Clone, Debug, Serialize)]
+pub struct PairLine {
+    /// Its name.
+    pub label: String,
+    /// Distance to its target on the template.
+    pub before: f64,
+    /// Distance to its target on the result.
+    pub after: f64,
+    /// Far off although the rest fits: perhaps put at the wrong place.
+    pub suspect: bool,
+}
+
+/// Everything about one run. Lengths in the template's unit.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of moulage.
+    pub version: &'static str,
+    /// The template's file.
+    pub template: PathBuf,
+    /// How it ended.
+    pub ending: Ending,
+    /// Why it stopped, in words.
+    pub why: String,
+    /// What the user should know, one sentence each.
+    pub warnings: Vec<String>,
+    /// Vertices of the template.
+    pub vertices: usize,
+    /// Vertices of the tet mesh (#vtx of \[W\] Table 2).
+    pub tet_vertices: usize,
+    /// Tets (#ele).
+    pub tets: usize,
+    /// What made the tets.
+    pub tets_made_by: String,
+    /// Markers.
+    pub markers: usize,
+    /// Fixed vertices.
+    pub fixed: usize,
+    /// Iterations of the solver (#iter).
+    pub iteration_count: usize,
+    /// Seconds of each stage.
+    pub stages: Vec<Stage>,
+    /// Tolerance of the markers.
+    pub tolerance: f64,
+    /// Distance of the markers (`e_init`, `e_final`).
+    pub marker_distance: Change<Spread>,
+    /// The same, one by one.
+    pub marker_distances: Change<Vec<f64>>,
+    /// Each landmark.
+    pub landmarks: Vec<PairLine>,
+    /// Each attachment.
+    pub attachments: Vec<PairLine>,
+    /// Smallest dihedral angle of each tet, counted in 10 degrees each, of the tets inside.
+    pub min_dihedral_histogram: Change<Vec<usize>>,
+    /// Tets without or with negative volume.
+    pub inverted_tets: usize,
+    /// Smallest and largest principal stretch of the tets inside.
+    pub stretch_range: [f64; 2],
+    /// Ratio of the result's volume to the template's.
+    pub volume_ratio: f64,
+    /// Each iteration.
+    pub iterations: Vec<Iteration>,
+    /// Where new tets were made.
+    pub remeshes: Vec<Remesh>,
+    /// What the image added to the user's markers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<Refinement>,
+    /// How well the result meets the label of the person's label map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label_fit: Option<LabelFit>,
+    /// The result on slices of the person's image.
+    #[serde(skip)]
+    pub slices: Vec<SliceFigure>,
+    /// Files written.
+    pub written: Vec<PathBuf>,
+}
+
+/// Shapes for the report's pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct Shapes<'a> {
+    /// Triangles of the template.
+    pub triangles: &'a [[u32; 3]],
+    /// Vertices before.
+    pub before: &'a [Vec3],
+    /// Vertices after.
+    pub after: &'a [Vec3],
+    /// Largest principal stretch of each vertex.
+    pub stretch: &'a [f64],
+    /// The markers.
+    pub markers: &'a [Vec3],
+}

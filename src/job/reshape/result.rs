@@ -1,0 +1,200 @@
+//! What came out of the solver, measured.
+
+use super::inputs::{Inputs, Pair};
+use super::remesh::Course;
+use super::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
+use crate::error::Result;
+use crate::job::measure::{
+    Spread, marker_distances, pair_distances, principal_stretches, stretches_of,
+};
+use crate::math::{Mat3, Vec3, median};
+use crate::mesh::quality::dihedral_angles;
+use crate::mesh::{TetMesh, TriMesh, signed_volume};
+use crate::reshape::{Options, Stop};
+
+/// A pair farther off than so many tolerances, and than so many times the median, is suspect.
+const SUSPECT: f64 = 5.0;
+/// A tet counts for the figures if at least this share of it is inside the surface.
+const INSIDE: f64 = 0.5;
+/// Bins of 10 degrees up to 180.
+const BINS: usize = 18;
+
+/// The solver's result with what the outputs need.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The result itself.
+    pub course: Course,
+    /// Marker positions.
+    pub markers: Vec<Vec3>,
+    /// Largest and smallest principal stretch per surface vertex.
+    pub stretch: (Vec<f64>, Vec<f64>),
+    tolerance: f64,
+    landmark_tolerance: f64,
+    attachment_tolerance: f64,
+}
+
+impl Outcome {
+    /// Measures what the outputs need.
+    pub fn new(inputs: &Inputs, options: &Options, course: Course) -> Self {
+        let filling = &course.filling;
+        let stretch = stretches_of(&course.gradients(), &filling.mesh, &filling.embedding);
+        let tolerance = options.tolerance.unwrap_or(0.0);
+        Self {
+            markers: inputs.markers.iter().map(|m| m.position).collect(),
+            landmark_tolerance: options.landmark_tolerance.unwrap_or(tolerance),
+            attachment_tolerance: options.attachment_tolerance.unwrap_or(tolerance),
+            tolerance,
+            stretch,
+            course,
+        }
+    }
+
+    /// The report, without stages and files.
+    pub fn report(&self, inputs: &Inputs) -> Result<Report> {
+        let (filling, reshaped) = (&self.course.filling, &self.course.reshaped);
+        let summary = &reshaped.summary;
+        let (ending, why) = ending(summary.stop);
+        let distances = self.distances(inputs);
+        let inverted_tets = inverted(&filling.mesh, &reshaped.tet_points);
+        let now = &reshaped.tet_points;
+        let inside: Vec<usize> = (0..filling.mesh.tets.len())
+            .filter(|&t| filling.inside_fraction[t] >= INSIDE)
+            .collect();
+        let pairs = |list: &[Pair], tolerance: f64| {
+            let positions: Vec<Vec3> = list.iter().map(|pair| pair.position).collect();
+            let moved = self.course.carry(&positions)?;
+            Ok(pair_lines(list, &pair_distances(list, &moved), tolerance))
+        };
+        let moved = TriMesh { points: reshaped.surface_points.clone(), ..inputs.surface.clone() };
+        Ok(Report {
+            version: env!("CARGO_PKG_VERSION"),
+            template: inputs.template_path.clone(),
+            ending,
+            why: why.to_owned(),
+            warnings: [inputs.warnings.clone(), inverted_warning(inverted_tets)].concat(),
+            vertices: inputs.surface.points.len(),
+            tet_vertices: filling.mesh.points.len(),
+            tets: filling.mesh.tets.len(),
+            tets_made_by: filling.made_by.clone(),
+            markers: self.markers.len(),
+            fixed: inputs.fixed.len(),
+            iteration_count: summary.iterations.len().saturating_sub(1),
+            stages: Vec::new(),
+            tolerance: self.tolerance,
+            marker_distance: Change {
+                before: Spread::of(&distances.before),
+                after: Spread::of(&distances.after),
+            },
+            marker_distances: distances,
+            landmarks: pairs(&inputs.landmarks, self.landmark_tolerance)?,
+            attachments: pairs(&inputs.attachments, self.attachment_tolerance)?,
+            min_dihedral_histogram: Change {
+                before: min_dihedrals(&filling.mesh, &filling.mesh.points, &inside),
+                after: min_dihedrals(&filling.mesh, now, &inside),
+            },
+            inverted_tets,
+            stretch_range: stretch_range(&self.course.gradients(), &inside),
+            volume_ratio: moved.volume() / inputs.surface.volume(),
+            iterations: self.iterations(),
+            remeshes: self.course.remeshes.clone(),
+            refinement: None,
+            label_fit: None,
+            slices: Vec::new(),
+            written: Vec::new(),
+        })
+    }
+
+    /// Shapes for the pictures.
+    pub fn shapes<'a>(&'a self, inputs: &'a Inputs) -> Shapes<'a> {
+        Shapes {
+            triangles: &inputs.surface.triangles,
+            before: &inputs.surface.points,
+            after: &self.course.reshaped.surface_points,
+            stretch: &self.stretch.0,
+            markers: &self.markers,
+        }
+    }
+
+    fn distances(&self, inputs: &Inputs) -> Change<Vec<f64>> {
+        let of =
+            |points: &[Vec3]| marker_distances(points, &inputs.surface.triangles, &self.markers);
+        Change {
+            before: of(&inputs.surface.points),
+            after: of(&self.course.reshaped.surface_points),
+        }
+    }
+
+    fn iterations(&self) -> Vec<Iteration> {
+        let records = self.course.reshaped.summary.iterations.iter();
+        records
+            .map(|r| Iteration {
+                data_scale: r.data_scale,
+                objective: r.objective,
+                mean_marker_distance: r.mean_marker_distance,
+                max_marker_distance: r.max_marker_distance,
+                seconds: r.seconds,
+            })
+            .collect()
+    }
+}
+
+fn ending(stop: Stop) -> (Ending, &'static str) {
+    match stop {
+        Stop::Settled => (Ending::Good, "The objective no longer falls by a relevant amount."),
+        Stop::ToleranceMet => (Ending::Good, "All markers are within the tolerance."),
+        Stop::NoStep => (
+            Ending::GaveUp,
+            "No step lowers the objective although one should; look for markers or landmarks that contradict each other, or allow a larger tolerance.",
+        ),
+        Stop::IterationLimit => {
+            (Ending::GaveUp, "The iterations ran out; allow more, or a larger tolerance.")
+        }
+        Stop::Cancelled => (Ending::Interrupted, "It was asked to stop."),
+    }
+}
+
+fn pair_lines(pairs: &[Pair], distances: &[(f64, f64)], tolerance: f64) -> Vec<PairLine> {
+    let middle = median(distances.iter().map(|d| d.1)).unwrap_or(0.0);
+    let limit = SUSPECT * tolerance.max(middle);
+    pairs
+        .iter()
+        .zip(distances)
+        .map(|(pair, &(before, after))| PairLine {
+            label: pair.label.clone(),
+            before,
+            after,
+            suspect: after > limit,
+        })
+        .collect()
+}
+
+fn min_dihedrals(mesh: &TetMesh, points: &[Vec3], inside: &[usize]) -> Vec<usize> {
+    let mut bins = vec![0; BINS];
+    for &t in inside {
+        let angles = dihedral_angles(&mesh.tets[t].map(|v| points[v as usize]));
+        let smallest = angles.into_iter().fold(180.0, f64::min);
+        bins[((smallest / 10.0) as usize).min(BINS - 1)] += 1;
+    }
+    bins
+}
+
+fn inverted_warning(count: usize) -> Vec<String> {
+    let sentence = format!(
+        "{count} tets came out inverted; the shape is folded there: allow a larger tolerance, or look for markers that contradict each other"
+    );
+    if count == 0 { Vec::new() } else { vec![sentence] }
+}
+
+fn inverted(mesh: &TetMesh, points: &[Vec3]) -> usize {
+    let volume = |tet: &&[u32; 4]| signed_volume(tet.map(|v| points[v as usize]));
+    mesh.tets.iter().filter(|tet| volume(tet) <= 0.0).count()
+}
+
+fn stretch_range(gradients: &[Mat3], inside: &[usize]) -> [f64; 2] {
+    inside
+        .iter()
+        .map(|&t| principal_stretches(&gradients[t]))
+        .fold([f64::INFINITY, 0.0], |[low, high], stretches| {
+            [low.min(stretches[2]), high.max(stretches[0])]
+        })
+}

@@ -1,0 +1,206 @@
+//! One reshaping from files to files.
+
+use std::time::Instant;
+
+use super::fill::{Filling, fill};
+use super::inputs::{Inputs, Pair};
+use super::inspect::inspect;
+use super::output;
+use super::page::write_report;
+use super::remesh::Course;
+use super::report::{Ending, Report, Stage};
+use super::result::Outcome;
+use super::spec::{Align, ReshapeJob};
+use crate::align::{Freedom, Similarity, pre_align};
+use crate::error::{Error, Result};
+use crate::job::images::compare::Person;
+use crate::job::measure::{Spread, marker_distances};
+use crate::job::refine::{self, Refinement};
+use crate::job::threads::on_threads;
+use crate::math::Vec3;
+use crate::mesh::TriMesh;
+use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint, reshape};
+use crate::run::Run;
+
+/// What a finished job tells its caller.
+#[derive(Clone, Debug)]
+pub struct JobResult {
+    /// All figures, also in `report.json`.
+    pub report: Report,
+    /// The template's vertices in the person's shape.
+    pub points: Vec<Vec3>,
+}
+
+/// Reads, checks, reshapes and writes all that `job` names. A run that is cancelled, or whose
+/// solver gives up, writes its best shape; [`Report::ending`] tells. Nothing is written if the
+/// inputs cannot be worked with.
+pub fn run_reshape(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
+    on_threads(job.threads, || run_here(job, run))
+}
+
+fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
+    let mut clock = Clock::new();
+    run.enter("reading", 0.0);
+    let mut inputs = Inputs::read(job)?;
+    let person = Person::read(job)?;
+    output::check_places(job)?;
+    let align = job.align.unwrap_or_default();
+    let suspicions = inspect(&inputs, align)?;
+    inputs.warnings.extend(suspicions);
+    place(&mut inputs, align)?;
+    clock.stop("reading");
+    run.enter("filling with tets", 0.0);
+    let mut filling = fill(job, &inputs.surface, run)?;
+    inputs.warnings.append(&mut filling.warnings);
+    clock.stop("tets");
+    let (problem, options) = (problem(&inputs, &filling), options(job, &inputs.surface));
+    let mut course = Course::run(job, problem, filling, &options, run)?;
+    inputs.warnings.append(&mut course.filling.warnings);
+    clock.stop("solver");
+    let mut refinement = None;
+    if job.refine == Some(true) && !run.is_cancelled() {
+        let points = &course.reshaped.surface_points;
+        refinement = Some(refine_problem(&mut course.problem, &person, points)?);
+        course.reshaped = reshape(&course.problem, &options, run)?;
+        clock.stop("solver, with the image");
+    }
+    let outcome = Outcome::new(&inputs, &options, course);
+    let mut report = outcome.report(&inputs)?;
+    let result = TriMesh {
+        points: outcome.course.reshaped.surface_points.clone(),
+        triangles: inputs.surface.triangles.clone(),
+    };
+    report.refinement = refinement;
+    report.label_fit = person.fit(&result)?;
+    if job.report.is_some() {
+        report.slices = person.figures(&result, Some(&inputs.surface), &outcome.markers)?;
+    }
+    run.enter("writing", 1.0);
+    report.written = output::write(job, &inputs, &outcome)?;
+    clock.stop("writing");
+    report.stages = clock.stages;
+    if let Some(folder) = &job.report {
+        report.written.extend(["report.html", "report.json"].map(|name| folder.join(name)));
+        write_report(&report, &outcome.shapes(&inputs), folder)?;
+    }
+    Ok(JobResult { points: outcome.course.reshaped.surface_points, report })
+}
+
+/// Adds to the problem what the image shows where the user marked nothing.
+fn refine_problem(problem: &mut Problem, person: &Person, points: &[Vec3]) -> Result<Refinement> {
+    let volume = person.volume.as_ref().ok_or_else(|| {
+        Error::invalid("to refine by the image, an image is needed; name it with --volume")
+    })?;
+    let triangles = problem.surface.triangles.clone();
+    let result = TriMesh { points: points.to_vec(), triangles };
+    let users: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
+    let before = Spread::of(&marker_distances(&result.points, &result.triangles, &users));
+    let (markers, refinement) = refine::look(volume, &result, &users, before)?;
+    problem.markers.extend(markers);
+    Ok(refinement)
+}
+
+/// Moves template, template points and carried meshes to where the person is.
+fn place(inputs: &mut Inputs, align: Align) -> Result<()> {
+    let freedom = match align {
+        Align::None => return Ok(()),
+        Align::Rigid => Freedom::Rigid,
+        Align::Similarity => Freedom::Similarity,
+    };
+    if !inputs.fixed.is_empty() {
+        return Err(Error::invalid(
+            "fixed points stay where they are, so the template cannot be aligned; leave one of the two out",
+        ));
+    }
+    let markers: Vec<Vec3> = inputs.markers.iter().map(|m| m.position).collect();
+    let (from, to): (Vec<Vec3>, Vec<Vec3>) =
+        inputs.landmarks.iter().map(|l| (l.position, l.target)).unzip();
+    let motion = pre_align(&inputs.surface, &markers, Some((&from, &to)), freedom)?;
+    let apply = |motion: &Similarity, points: &mut [Vec3]| {
+        for p in points {
+            *p = motion.apply(p);
+        }
+    };
+    apply(&motion, &mut inputs.surface.points);
+    for (_, _, points) in &mut inputs.carried {
+        apply(&motion, points);
+    }
+    for pair in inputs.landmarks.iter_mut().chain(&mut inputs.attachments) {
+        pair.position = motion.apply(&pair.position);
+    }
+    Ok(())
+}
+
+fn problem(inputs: &Inputs, filling: &Filling) -> Problem {
+    let mut problem = Problem::new(
+        inputs.surface.clone(),
+        filling.mesh.clone(),
+        filling.embedding.clone(),
+        filling.inside_fraction.clone(),
+    );
+    let pair = |pair: &Pair| Landmark {
+        label: pair.label.clone(),
+        template: pair.vertex.map_or(TemplatePoint::Position(pair.position), TemplatePoint::Vertex),
+        target: pair.target,
+        weight: pair.weight,
+    };
+    problem.markers = inputs
+        .markers
+        .iter()
+        .map(|m| Marker { position: m.position, weight: m.weight.unwrap_or(1.0) })
+        .collect();
+    problem.landmarks = inputs.landmarks.iter().map(pair).collect();
+    problem.attachments = inputs.attachments.iter().map(pair).collect();
+    problem.fixed.clone_from(&inputs.fixed);
+    problem
+}
+
+/// A template on new tets has another size, so that defaults relative to it are settled here.
+fn options(job: &ReshapeJob, template: &TriMesh) -> Options {
+    let mut options = Options::default();
+    set(&mut options.hard_attachments, job.hard_attachments);
+    set(&mut options.paper, job.paper);
+    set(&mut options.reverse_term, job.reverse_term);
+    set(&mut options.smoothness, job.smoothness);
+    set(&mut options.poisson, job.poisson);
+    set(&mut options.max_iterations, job.max_iterations);
+    options.screening = job.screening;
+    options.tolerance = job.tolerance.or(Some(template.diagonal() / TOLERANCES));
+    options.landmark_tolerance = job.landmark_tolerance;
+    options.attachment_tolerance = job.attachment_tolerance;
+    options
+}
+
+/// The template's diagonal has so many tolerances by default, as in the solver.
+const TOLERANCES: f64 = 1000.0;
+
+fn set<T>(option: &mut T, wish: Option<T>) {
+    if let Some(wish) = wish {
+        *option = wish;
+    }
+}
+
+/// Seconds of each stage.
+struct Clock {
+    last: Instant,
+    stages: Vec<Stage>,
+}
+
+impl Clock {
+    fn new() -> Self {
+        Self { last: Instant::now(), stages: Vec::new() }
+    }
+
+    fn stop(&mut self, name: &str) {
+        let seconds = self.last.elapsed().as_secs_f64();
+        self.stages.push(Stage { name: name.to_owned(), seconds });
+        self.last = Instant::now();
+    }
+}
+
+impl JobResult {
+    /// Whether the solver was satisfied.
+    pub fn is_good(&self) -> bool {
+        self.report.ending == Ending::Good
+    }
+}

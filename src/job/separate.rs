@@ -1,0 +1,350 @@
+//! One separation from files to files.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::io::{
+    DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_beside,
+    write_ply, write_vtu,
+};
+use crate::job::measure::{Spread, marker_distances};
+use crate::job::reshape::output::stem;
+use crate::locate::WindingNumber;
+use crate::math::Vec3;
+use crate::mesh::{TetMesh, TriMesh};
+use crate::run::Run;
+use crate::separate::{Body, Ending, Obstacle, Options, Overlap, Separation, separate};
+
+/// All that describes one separation; also the flags of the command line. Lengths are in the
+/// bodies' unit.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct SeparateJob {
+    /// Bodies in their present shape: .vtu (as `reshape --tets-out` writes them), .veg, .msh, .node
+    #[cfg_attr(feature = "cli", arg(value_name = "BODY.vtu", required = true))]
+    pub bodies: Vec<PathBuf>,
+    /// Their surfaces, in the same order: .obj, .ply or .stl [default: the tets' boundaries]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1..))]
+    pub surfaces: Vec<PathBuf>,
+    /// Bones and other things that do not move: .obj, .ply or .stl
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1..))]
+    pub fixed: Vec<PathBuf>,
+    /// The bodies' markers, in the same order; surfaces are held where markers are met
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1..))]
+    pub markers: Vec<PathBuf>,
+    /// Distance to leave between surfaces [default: the median diagonal of the bodies / 2000]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "LENGTH"))]
+    pub gap: Option<f64>,
+    /// Vertices up to this many edges away from an overlap may move [default: 5]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
+    pub rings: Option<usize>,
+    /// Folder for the results: NAME.vtu and the surface of each body, separation.json
+    #[cfg_attr(feature = "cli", arg(short, long, value_name = "FOLDER"))]
+    pub out: PathBuf,
+}
+
+/// Two surfaces that overlapped.
+#[derive(Clone, Debug, Serialize)]
+pub struct OverlapLine {
+    /// Names of the two.
+    pub between: [String; 2],
+    /// Depth of the deepest vertex before and after.
+    pub depth: [f64; 2],
+    /// Vertices inside the other before and after.
+    pub vertices_inside: [usize; 2],
+    /// Pairs of crossing triangles before and after.
+    pub crossings: [usize; 2],
+}
+
+/// What a separation did to one body.
+#[derive(Clone, Debug, Serialize)]
+pub struct MovedBody {
+    /// Its name.
+    pub name: String,
+    /// Vertices of its surface.
+    pub vertices: usize,
+    /// Those that moved.
+    pub moved: usize,
+    /// The farthest move.
+    pub largest_move: f64,
+    /// Tets without or with negative volume.
+    pub inverted_tets: usize,
+    /// Distance of its markers before and after, of those that lie outside everything that does
+    /// not move: a marker inside a bone cannot be met.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub marker_distance: Option<[Spread; 2]>,
+    /// Markers that lie inside something that does not move. They contradict it and hold nothing.
+    pub contradicting_markers: Vec<ContradictingMarker>,
+}
+
+/// A marker that lies inside something that does not move.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContradictingMarker {
+    /// Its place among the body's markers, from 1.
+    pub marker: usize,
+    /// What it lies in.
+    pub inside: String,
+}
+
+/// What a separation did. Lengths in the bodies' unit.
+#[derive(Clone, Debug, Serialize)]
+pub struct SeparationReport {
+    /// Version of moulage.
+    pub version: &'static str,
+    /// Nothing overlaps any more.
+    pub separated: bool,
+    /// Why it ended.
+    pub ending: Ending,
+    /// Every overlap there was or is.
+    pub overlaps: Vec<OverlapLine>,
+    /// Every body.
+    pub bodies: Vec<MovedBody>,
+    /// Rounds of finding contacts and solving.
+    pub rounds: usize,
+    /// Seconds it took.
+    pub seconds: f64,
+    /// Files written.
+    pub written: Vec<PathBuf>,
+}
+
+impl SeparationReport {
+    /// Measures a separation of `bodies`.
+    pub fn new(bodies: &[Body], obstacles: &[Obstacle], separation: &Separation) -> Self {
+        let walls: Vec<(&str, WindingNumber)> = obstacles
+            .iter()
+            .map(|o| {
+                let winding = WindingNumber::new(&o.surface.points, &o.surface.triangles);
+                (o.name.as_str(), winding)
+            })
+            .collect();
+        let moved =
+            bodies.iter().enumerate().map(|(b, body)| moved_body(b, body, &walls, separation));
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            separated: separation.after.is_empty(),
+            ending: separation.ending,
+            overlaps: overlap_lines(&separation.before, &separation.after),
+            bodies: moved.collect(),
+            rounds: separation.rounds,
+            seconds: 0.0,
+            written: Vec::new(),
+        }
+    }
+}
+
+fn moved_body(
+    b: usize,
+    body: &Body,
+    walls: &[(&str, WindingNumber)],
+    separation: &Separation,
+) -> MovedBody {
+    let now = &separation.tet_points[b];
+    let deformed = TetMesh { points: now.clone(), tets: body.tets.tets.clone() };
+    let (mut contradicting_markers, mut free) = (Vec::new(), Vec::new());
+    for (m, place) in body.markers.iter().enumerate() {
+        match walls.iter().find(|(_, wall)| wall.is_inside(place)) {
+            Some((name, _)) => contradicting_markers
+                .push(ContradictingMarker { marker: m + 1, inside: (*name).to_owned() }),
+            None => free.push(*place),
+        }
+    }
+    let distances = |points: &[Vec3]| Spread::of(&marker_distances(points, &body.triangles, &free));
+    MovedBody {
+        name: body.name.clone(),
+        vertices: body.embedding.len(),
+        moved: separation.moved[b].0,
+        largest_move: separation.moved[b].1,
+        inverted_tets: (0..deformed.tets.len()).filter(|&t| deformed.volume(t) <= 0.0).count(),
+        marker_distance: (!free.is_empty()).then(|| {
+            [
+                distances(&body.surface_points(&body.tets.points)),
+                distances(&separation.surface_points[b]),
+            ]
+        }),
+        contradicting_markers,
+    }
+}
+
+fn overlap_lines(before: &[Overlap], after: &[Overlap]) -> Vec<OverlapLine> {
+    let mut pairs: BTreeMap<(String, String), [Option<&Overlap>; 2]> = BTreeMap::new();
+    for (when, list) in [before, after].into_iter().enumerate() {
+        for overlap in list {
+            let names = (overlap.first.clone(), overlap.second.clone());
+            pairs.entry(names).or_default()[when] = Some(overlap);
+        }
+    }
+    pairs
+        .into_iter()
+        .map(|((first, second), both)| OverlapLine {
+            between: [first, second],
+            depth: both.map(|o| o.map_or(0.0, |o| o.depth)),
+            vertices_inside: both.map(|o| o.map_or(0, |o| o.vertices_inside)),
+            crossings: both.map(|o| o.map_or(0, |o| o.crossings)),
+        })
+        .collect()
+}
+
+/// Where one body is read.
+pub(crate) struct BodyFiles {
+    /// Its name.
+    pub name: String,
+    /// Its tets in their present shape.
+    pub tets: PathBuf,
+    /// Its surface; the tets' boundary if there is none.
+    pub surface: Option<PathBuf>,
+    /// File name for its surface in the new shape.
+    pub surface_name: Option<String>,
+    /// Its markers.
+    pub markers: Vec<PathBuf>,
+}
+
+/// Reads, separates and writes.
+pub fn run_separate(job: &SeparateJob, run: &Run) -> Result<SeparationReport> {
+    check_counts(job)?;
+    let bodies: Vec<BodyFiles> = job
+        .bodies
+        .iter()
+        .enumerate()
+        .map(|(b, tets)| BodyFiles {
+            name: stem(tets),
+            tets: tets.clone(),
+            surface: job.surfaces.get(b).cloned(),
+            surface_name: (job.surfaces.get(b).and_then(|p| p.file_name()))
+                .map(|name| name.to_string_lossy().into_owned()),
+            markers: job.markers.get(b).cloned().into_iter().collect(),
+        })
+        .collect();
+    let mut options = Options { gap: job.gap, ..Options::default() };
+    options.rings = job.rings.unwrap_or(options.rings);
+    separate_files(&bodies, &job.fixed, &options, &job.out, run)
+}
+
+/// The same for bodies whose files are listed.
+pub(crate) fn separate_files(
+    bodies: &[BodyFiles],
+    fixed: &[PathBuf],
+    options: &Options,
+    out: &Path,
+    run: &Run,
+) -> Result<SeparationReport> {
+    let started = std::time::Instant::now();
+    run.enter("reading", 0.0);
+    let files = bodies;
+    let surfaces = files
+        .iter()
+        .map(|f| f.surface.as_deref().map(read_surface).transpose())
+        .collect::<Result<Vec<_>>>()?;
+    let bodies: Vec<Body> = files
+        .iter()
+        .zip(&surfaces)
+        .map(|(files, surface)| read_body(files, surface.as_ref()))
+        .collect::<Result<_>>()?;
+    let obstacles = read_obstacles(fixed)?;
+    check_names(&bodies)?;
+    check_writable(&out.join("separation.json"))?;
+    let separation = separate(&bodies, &obstacles, options, run)?;
+    let mut report = SeparationReport::new(&bodies, &obstacles, &separation);
+    run.enter("writing", 1.0);
+    for (b, body) in bodies.iter().enumerate() {
+        let surface = surfaces[b].as_ref().zip(files[b].surface_name.as_deref());
+        report.written.extend(write_body(out, body, surface, b, &separation)?);
+    }
+    report.seconds = started.elapsed().as_secs_f64();
+    let path = out.join("separation.json");
+    report.written.push(path.clone());
+    write_beside(&path, |out| {
+        serde_json::to_writer_pretty(&mut *out, &report)?;
+        writeln!(out)
+    })?;
+    Ok(report)
+}
+
+fn check_counts(job: &SeparateJob) -> Result<()> {
+    for (list, what) in [(&job.surfaces, "surfaces"), (&job.markers, "marker files")] {
+        if !list.is_empty() && list.len() != job.bodies.len() {
+            return Err(Error::invalid(format!(
+                "{} {what} are given for {} bodies; give one for each, in their order",
+                list.len(),
+                job.bodies.len()
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn check_names(bodies: &[Body]) -> Result<()> {
+    for (b, body) in bodies.iter().enumerate() {
+        if bodies[..b].iter().any(|other| other.name == body.name) {
+            return Err(Error::invalid(format!(
+                "two bodies are named '{}', and their results would be one file; rename one",
+                body.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn read_body(files: &BodyFiles, surface: Option<&SurfaceFile>) -> Result<Body> {
+    let tets = read_tets(&files.tets)?;
+    let name = files.name.clone();
+    let mut body = match surface {
+        Some(file) => Body::with_surface(name, tets, &file.mesh()?)?,
+        None => Body::from_tets(name, tets)?,
+    };
+    for path in &files.markers {
+        body.markers.extend(read_markers(path)?.iter().map(|m| m.position));
+    }
+    Ok(body)
+}
+
+/// Surfaces that do not move, named by their files.
+fn read_obstacles(paths: &[PathBuf]) -> Result<Vec<Obstacle>> {
+    let read =
+        |path: &PathBuf| Ok(Obstacle { name: stem(path), surface: read_surface(path)?.mesh()? });
+    paths.iter().map(read).collect()
+}
+
+fn write_body(
+    folder: &Path,
+    body: &Body,
+    surface: Option<(&SurfaceFile, &str)>,
+    b: usize,
+    separation: &Separation,
+) -> Result<Vec<PathBuf>> {
+    let tets = folder.join(format!("{}.vtu", body.name));
+    let now = &separation.tet_points[b];
+    let moves: Vec<f64> = body
+        .tets
+        .points
+        .iter()
+        .zip(now)
+        .flat_map(|(a, b)| {
+            let d = b - a;
+            [d.x, d.y, d.z]
+        })
+        .collect();
+    let deformed = TetMesh { points: now.clone(), tets: body.tets.tets.clone() };
+    write_vtu(
+        &tets,
+        &deformed,
+        &[],
+        &[DataArray { name: "displacement", components: 3, values: &moves }],
+    )?;
+    let points = &separation.surface_points[b];
+    let surface = if let Some((file, name)) = surface {
+        let out = folder.join(name);
+        file.write_with_points(&out, points)?;
+        out
+    } else {
+        let out = folder.join(format!("{}.ply", body.name));
+        let old = body.surface_points(&body.tets.points);
+        let moved: Vec<f64> = old.iter().zip(points).map(|(a, b)| (b - a).norm()).collect();
+        let mesh = TriMesh { points: points.clone(), triangles: body.triangles.clone() };
+        write_ply(&out, &mesh, &[("moved", &moved)])?;
+        out
+    };
+    Ok(vec![tets, surface])
+}
