@@ -13,6 +13,7 @@ pub mod error;
 pub mod run;
 // 1
 pub mod math;
+pub mod threads;
 // 2
 pub mod mesh;
 pub mod volume;
@@ -24,6 +25,7 @@ pub mod solve;
 pub mod align;
 pub mod fem;
 pub mod io;
+pub mod measure;
 pub mod tetrahedralize;
 // 5
 pub mod register;

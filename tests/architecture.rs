@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 /// Bottom to top. Modules on one line do not see each other.
 const LAYERS: &[&[&str]] = &[
     &["error", "run"],
-    &["math"],
+    &["math", "threads"],
     &["mesh", "volume"],
     &["locate", "material", "solve"],
-    &["align", "fem", "io", "tetrahedralize"],
+    &["align", "fem", "io", "measure", "tetrahedralize"],
     &["reshape", "register", "separate"],
     &["job"],
     &["capi"],

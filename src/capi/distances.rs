@@ -3,7 +3,7 @@
 use super::boundary::{MlgError, MlgStatus, guard};
 use super::mesh::{MlgTriMesh, Surface};
 use super::{buffers, handles};
-use crate::job::{distance_to_markers, marker_distances};
+use crate::measure::{distance_to_markers, marker_distances};
 
 /// The distance of each vertex of a surface to the nearest of some points: how well each place of a
 /// result is supported by markers.

@@ -9,11 +9,9 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, le
 use super::mesh::{MlgTriMesh, Surface};
 use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{buffers, handles};
-use crate::job::{
-    Gap, Pair, attach_to_bone, read_attachment_pairs, read_fixed_vertices, read_landmark_pairs,
-};
+use crate::job::{Gap, read_attachment_pairs, read_fixed_vertices, read_landmark_pairs};
 use crate::math::Vec3;
-use crate::reshape::{Landmark, TemplatePoint};
+use crate::reshape::{Landmark, Pair, TemplatePoint, attach_to_bone};
 
 /// Places on a template with their targets: landmarks or attachments. Immutable; may be read from
 /// many threads.
@@ -47,15 +45,7 @@ impl Pairs {
     }
 
     fn landmarks(&self) -> Vec<Landmark> {
-        let landmark = |pair: &Pair| Landmark {
-            label: pair.label.clone(),
-            template: pair
-                .vertex
-                .map_or(TemplatePoint::Position(pair.position), TemplatePoint::Vertex),
-            target: pair.target,
-            weight: pair.weight,
-        };
-        self.list.iter().map(landmark).collect()
+        self.list.iter().map(Pair::landmark).collect()
     }
 }
 

@@ -7,9 +7,8 @@ use super::mesh::{MlgTriMesh, Surface};
 use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{buffers, handles};
 use crate::align::{Freedom, Similarity, pre_align};
-use crate::job::{Align, Data, Pair, inspect_data};
 use crate::math::Vec3;
-use crate::reshape::{Landmark, Problem, TemplatePoint};
+use crate::reshape::{Data, Landmark, Pair, inspect_data};
 
 /// Turn and move only.
 pub const MLG_ALIGN_RIGID: u32 = 0;
@@ -90,28 +89,20 @@ pub unsafe extern "C" fn mlg_reshaping_check(
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         let markers: Vec<Vec3> =
             problem.markers.iter().filter(|m| m.weight > 0.0).map(|m| m.position).collect();
+        let pairs = |list: &[Landmark]| -> Vec<Pair> {
+            list.iter().map(|l| Pair::of(l, &problem.surface)).collect()
+        };
         let data = Data {
             surface: (&problem.surface, "the template"),
             markers: &markers,
-            landmarks: &pairs(&problem, &problem.landmarks),
-            attachments: &pairs(&problem, &problem.attachments),
+            landmarks: &pairs(&problem.landmarks),
+            attachments: &pairs(&problem.attachments),
             fixed: &problem.fixed,
         };
-        let text = inspect_data(&data, Align::None)?.join("\n");
+        let text = inspect_data(&data, None)?.join("\n");
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
     })
-}
-
-fn pairs(problem: &Problem, landmarks: &[Landmark]) -> Vec<Pair> {
-    let pair = |l: &Landmark| {
-        let (position, vertex) = match l.template {
-            TemplatePoint::Vertex(v) => (problem.surface.points[v as usize], Some(v)),
-            TemplatePoint::Position(position) => (position, None),
-        };
-        Pair { label: l.label.clone(), position, vertex, target: l.target, weight: l.weight }
-    };
-    landmarks.iter().map(pair).collect()
 }
 
 #[cfg(test)]

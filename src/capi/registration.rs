@@ -13,10 +13,11 @@ use super::shape_model::{MlgShapeModel, ModelObject};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::volume::MlgVolume;
 use crate::io::VolumeFile;
-use crate::job::{read_shape_model, thread_pool};
+use crate::job::read_shape_model;
 use crate::register::options::Levels;
 use crate::register::{Appearance, Limits, Options, Registration, ShapeModel, Target};
 use crate::run::Run;
+use crate::threads::thread_pool;
 
 /// A template skeleton and the surface it is to follow. May be used by one thread at a time.
 pub struct MlgRegistration;

@@ -5,9 +5,9 @@ use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options
 use super::result::{MlgReshapingResult, ReshapingResult};
 use super::run::{MlgRun, RunObject, hand_over};
 use super::{buffers, handles};
-use crate::job::thread_pool;
 use crate::reshape::{Options, Problem, reshape, reshape_again};
 use crate::run::Run;
+use crate::threads::thread_pool;
 
 fn compute(problem: Problem, options: &Options, run: &Run) -> Outcome<ReshapingResult> {
     let reshaped = reshape(&problem, options, run)?;

@@ -6,9 +6,11 @@ use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent, name_
 use super::buffers::{self, Versioned};
 use super::handles;
 use super::tetrahedralization::MlgTetQuality;
-use crate::job::{marker_distances, vertex_stretches, write_deformed_tets};
+use crate::fem::vertex_stretches;
+use crate::job::write_deformed_tets;
 use crate::locate::Embedding;
 use crate::math::Vec3;
+use crate::measure::marker_distances;
 use crate::mesh::{TetMesh, TetQuality};
 use crate::reshape::{Landmark, Problem, Reshaped, Stop, TemplatePoint};
 use crate::separate::Body;

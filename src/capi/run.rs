@@ -12,8 +12,8 @@ use super::boundary::{
 };
 use super::buffers::{self, Versioned};
 use super::handles;
-use crate::job::thread_pool;
 use crate::run::Run;
+use crate::threads::thread_pool;
 
 /// A computation on a thread of its own. May be polled and cancelled from any thread.
 pub struct MlgRun;

@@ -11,10 +11,10 @@ use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::result::{MlgReshapingResult, ReshapingResult};
 use super::run::{MlgRun, RunObject, hand_over};
 use super::separation_result::{MlgSeparationResult, SeparationResult};
-use crate::job::thread_pool;
 use crate::mesh::TetMesh;
 use crate::run::Run;
 use crate::separate::{Body, Obstacle, Options, separate};
+use crate::threads::thread_pool;
 
 /// Bodies that overlap each other or obstacles. May be used by one thread at a time.
 pub struct MlgSeparation;

@@ -153,7 +153,7 @@ impl SeparationResult {
 }
 
 fn body_of(found: &MovedBody) -> MlgSeparatedBody {
-    let distances = |of: fn(&crate::job::Spread) -> f64| {
+    let distances = |of: fn(&crate::measure::Spread) -> f64| {
         found.marker_distance.as_ref().map_or([f64::NAN; 2], |[a, b]| [of(a), of(b)])
     };
     MlgSeparatedBody {

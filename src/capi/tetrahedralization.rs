@@ -9,11 +9,12 @@ use super::buffers::{self, Versioned};
 use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::run::{MlgRun, RunObject, hand_over};
-use crate::job::fill_with;
 use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TetQuality};
 use crate::run::Run;
-use crate::tetrahedralize::{Method, Options, Tetrahedralization, Used, tetrahedralize};
+use crate::tetrahedralize::{
+    Method, Options, Tetrahedralization, Used, given_tets, tetrahedralize,
+};
 
 /// Tets that carry a surface. Immutable; may be read from many threads.
 pub struct MlgTetrahedralization;
@@ -104,6 +105,7 @@ impl Carried {
         let method = match made.used {
             Used::TetGen => MLG_TETS_TETGEN,
             Used::Lattice => MLG_TETS_LATTICE,
+            Used::Given(_) => MLG_TETS_GIVEN,
         };
         // The sentences are our own and hold no zero; one that did would be lost, not cut.
         let warnings = made.warnings.into_iter().filter_map(|w| CString::new(w).ok()).collect();
@@ -231,16 +233,8 @@ pub unsafe extern "C" fn mlg_tetrahedralization_from_tets(
         buffers::check_out(out_tets, "out_tets")?;
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         let tets = TetMesh::clone(&*handles::get::<TetMesh, _>(tets, "tets")?);
-        let filling = fill_with(tets, &surface.mesh, "the caller".into())?;
-        let carried = Carried {
-            embedding: filling.embedding,
-            inside_fraction: filling.inside_fraction,
-            method: MLG_TETS_GIVEN,
-            boundary_kept: false,
-            warnings: Vec::new(),
-            surface,
-            tets: filling.mesh,
-        };
+        let given = given_tets(tets, &surface.mesh, "the caller".into())?;
+        let carried = Carried::new(surface, given);
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write(out_tets, handles::give(carried), "out_tets") }
     })

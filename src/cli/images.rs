@@ -3,7 +3,8 @@
 use std::process::ExitCode;
 
 use moulage::Result;
-use moulage::job::{CompareJob, MarkersJob, SliceJob, Spread, run_compare, run_markers, run_slice};
+use moulage::job::{CompareJob, MarkersJob, SliceJob, run_compare, run_markers, run_slice};
+use moulage::measure::Spread;
 
 /// Draws one slice.
 pub fn slice(job: &SliceJob) -> Result<ExitCode> {

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use moulage::job::{Ending, Report, ReshapeJob, Spread, run_reshape};
+use moulage::job::{Ending, Report, ReshapeJob, run_reshape};
+use moulage::measure::Spread;
 use moulage::{Result, Run};
 
 use super::progress::{Progress, stop_on_ctrl_c};

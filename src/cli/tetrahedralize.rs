@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     for warning in &filled.warnings {
         eprintln!("note: {warning}");
     }
-    println!("by {}: {}", filled.made_by, TetQuality::of_mesh(&filled.mesh));
+    println!("by {}: {}", filled.used, TetQuality::of_mesh(&filled.mesh));
     println!("written: {}", arguments.out.display());
     Ok(ExitCode::SUCCESS)
 }

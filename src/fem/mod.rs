@@ -7,6 +7,7 @@ mod plastic;
 mod rigid_modes;
 mod sensitivity;
 mod strain_laplacian;
+mod stretches;
 
 pub use body::{Body, MaterialPoint, Spring};
 pub use element::{Curvature, RestElement};
@@ -15,3 +16,4 @@ pub use plastic::{Carrier, Chart, PlasticState, StrainSpace};
 pub use rigid_modes::{RigidMotion, isostatic_gauge, rigid_modes};
 pub use sensitivity::Sensitivity;
 pub use strain_laplacian::StrainSmoothness;
+pub use stretches::{deformation_gradients, principal_stretches, stretches_of, vertex_stretches};

@@ -3,8 +3,6 @@
 use std::path::Path;
 
 use super::reshape::inputs::Inputs;
-use super::reshape::inspect::inspect;
-use super::reshape::spec::Align;
 use super::reshape::spec::ReshapeJob;
 use crate::error::{Error, Result};
 use crate::io;
@@ -133,7 +131,7 @@ fn job(path: &Path) -> Result<FileCheck> {
     let job = ReshapeJob::read(path)?;
     let inputs = Inputs::read(&job)?;
     let mut findings = inputs.warnings.clone();
-    findings.extend(inspect(&inputs, job.align.unwrap_or(Align::None))?);
+    findings.extend(inputs.inspect(job.align.unwrap_or_default().freedom())?);
     Ok(FileCheck {
         content: format!(
             "a job: template of {} vertices, {} markers, {} landmarks, {} attachments, {} fixed vertices",

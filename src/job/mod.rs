@@ -3,16 +3,11 @@
 mod check;
 mod convert;
 mod images;
-mod label_fit;
 mod many;
-mod measure;
-mod refine;
 mod register;
 mod report;
 mod reshape;
 mod separate;
-mod statistics;
-mod threads;
 
 pub use check::{FileCheck, check_file};
 pub use convert::conversion::{
@@ -21,15 +16,12 @@ pub use convert::conversion::{
 pub use convert::osim_write::write_osim;
 pub use images::compare::{CompareJob, SliceFigure, run_compare};
 pub use images::slice::{MarkersJob, SliceJob, run_markers, run_slice};
-pub use label_fit::LabelFit;
 pub use many::anatomy::run_anatomy;
 pub use many::anatomy_report::{AnatomyReport, ObjectLine};
 pub use many::anatomy_spec::{AnatomyJob, Object};
 pub use many::batch::{BatchJob, run_batch};
 pub use many::case::{Case, CaseRecord, Status};
 pub use many::provenance::InputFile;
-pub use measure::{Spread, distance_to_markers, marker_distances, vertex_stretches};
-pub use refine::Refinement;
 pub use register::bone_landmarks::{BoneLandmarks, read_bone_landmarks};
 pub use register::bvh_motion::{bvh_of_motion, motion_of_bvh};
 pub use register::image_target::Measure;
@@ -45,10 +37,9 @@ pub use register::run::{
 };
 pub use register::skeleton_build;
 pub use register::track::{TrackJob, TrackedFrame, run_track};
-pub use reshape::attach::{AttachmentPair, attach_to_bone, read_attachment_pairs};
-pub use reshape::fill::{Filling, fill, fill_with};
-pub use reshape::inputs::{Inputs, Pair, read_fixed_vertices, read_landmark_pairs};
-pub use reshape::inspect::{Data, inspect, inspect_data};
+pub use reshape::attach::read_attachment_pairs;
+pub use reshape::fill::fill;
+pub use reshape::inputs::{Inputs, read_fixed_vertices, read_landmark_pairs};
 pub use reshape::output::write_deformed_tets;
 pub use reshape::remesh::{Remesh, Shapeliness};
 pub use reshape::report::{Change, Ending, Iteration, PairLine, Report, Shapes, Stage};
@@ -57,4 +48,3 @@ pub use reshape::spec::{Align, Gap, ReshapeJob};
 pub use separate::{
     ContradictingMarker, MovedBody, OverlapLine, SeparateJob, SeparationReport, run_separate,
 };
-pub use threads::thread_pool;

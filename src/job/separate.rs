@@ -10,10 +10,10 @@ use crate::io::{
     DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_beside,
     write_ply, write_vtu,
 };
-use crate::job::measure::{Spread, marker_distances};
 use crate::job::reshape::output::stem;
 use crate::locate::WindingNumber;
 use crate::math::Vec3;
+use crate::measure::{Spread, marker_distances};
 use crate::mesh::{TetMesh, TriMesh};
 use crate::run::Run;
 use crate::separate::{Body, Ending, Obstacle, Options, Overlap, Separation, separate};

@@ -1,5 +1,6 @@
 //! From a surface to a tet mesh.
 
+mod given;
 mod lattice;
 mod simplify;
 mod tetgen;
@@ -7,6 +8,7 @@ mod weld;
 
 use std::path::PathBuf;
 
+pub use self::given::given_tets;
 pub use self::tetgen::find as find_tetgen;
 use self::weld::Welded;
 use crate::error::{Error, Result};
@@ -38,12 +40,24 @@ pub struct Tetrahedralization {
 }
 
 /// What made a tet mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Used {
     /// The program TetGen.
     TetGen,
     /// The built-in lattice.
     Lattice,
+    /// Somebody else, such as the writer of a file of this name.
+    Given(String),
+}
+
+impl std::fmt::Display for Used {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::TetGen => "TetGen",
+            Self::Lattice => "the lattice",
+            Self::Given(name) => name,
+        })
+    }
 }
 
 impl Tetrahedralization {

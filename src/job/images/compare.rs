@@ -6,9 +6,9 @@ use super::picture::{Overlay, Rgb, slice_picture};
 use super::slice::only_label;
 use crate::error::{Error, Result};
 use crate::io::{read_surface, read_volume, write_beside};
-use crate::job::label_fit::LabelFit;
 use crate::job::reshape::spec::ReshapeJob;
 use crate::math::Vec3;
+use crate::measure::LabelFit;
 use crate::mesh::{TriMesh, bounding_box, plane_section};
 use crate::volume::{SlicePlane, View, Volume, Window, outlines};
 

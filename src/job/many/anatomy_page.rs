@@ -11,9 +11,9 @@ use super::case::Status;
 use crate::error::Result;
 use crate::io::markup::escaped;
 use crate::io::read_surface;
-use crate::job::measure::Spread;
 use crate::job::report::picture::{Colour, View, draw};
 use crate::job::separate::SeparationReport;
+use crate::measure::Spread;
 use crate::mesh::TriMesh;
 
 const BONE: Colour = [0.88, 0.86, 0.80];

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::case::{Case, Status};
 use crate::error::{Error, Result};
 use crate::io::read_bytes;
-use crate::job::measure::Spread;
 use crate::job::reshape::report::{Change, Stage};
 use crate::job::separate::SeparationReport;
+use crate::measure::Spread;
 
 /// One object's reshaping. Lengths in the templates' unit.
 #[derive(Clone, Debug, Serialize)]

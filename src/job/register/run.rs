@@ -18,12 +18,12 @@ use crate::io::bvh::read_bvh;
 use crate::io::skeleton::SkeletonDocument;
 use crate::io::{SurfaceFile, is_volume, read_bytes, read_surface, read_volume};
 use crate::job::images::slice::only_label;
-use crate::job::threads::on_threads;
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
 use crate::register::options::Levels;
 use crate::register::{Limits, Options, Registered, Registration, ShapeModel, Skeleton, Target};
 use crate::run::Run;
+use crate::threads::on_threads;
 use crate::volume::label_surface;
 
 /// All that describes one registration. What is `None` takes its default. Lengths are in the

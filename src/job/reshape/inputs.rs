@@ -2,27 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::attach::{AttachmentPair, attachments};
+use super::attach::attachments;
 use super::spec::ReshapeJob;
+use crate::align::Freedom;
 use crate::error::{Error, Result};
 use crate::io::{self, Anchor, Marker, SurfaceFile};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
-
-/// A paired point with its place on the template.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pair {
-    /// Its name, else its number.
-    pub label: String,
-    /// Where it is on the template.
-    pub position: Vec3,
-    /// The template's vertex there, if the file names one.
-    pub vertex: Option<u32>,
-    /// Where it is on the person.
-    pub target: Vec3,
-    /// Relative weight.
-    pub weight: f64,
-}
+use crate::reshape::{Data, Pair, inspect_data};
 
 /// All that a job reads.
 #[derive(Clone, Debug)]
@@ -38,7 +25,7 @@ pub struct Inputs {
     /// Paired points.
     pub landmarks: Vec<Pair>,
     /// Attachments.
-    pub attachments: Vec<AttachmentPair>,
+    pub attachments: Vec<Pair>,
     /// Vertices that stay.
     pub fixed: Vec<u32>,
     /// Meshes to carry along: path, file, vertices.
@@ -84,6 +71,19 @@ impl Inputs {
             fixed: fixed.transpose()?.unwrap_or_default(),
             warnings,
         })
+    }
+
+    /// Checks the inputs against each other, see [`inspect_data`].
+    pub fn inspect(&self, align: Option<Freedom>) -> Result<Vec<String>> {
+        let counted = self.markers.iter().filter(|m| m.weight.is_none_or(|w| w > 0.0));
+        let data = Data {
+            surface: (&self.surface, &self.template_path.display().to_string()),
+            markers: &counted.map(|m| m.position).collect::<Vec<_>>(),
+            landmarks: &self.landmarks,
+            attachments: &self.attachments,
+            fixed: &self.fixed,
+        };
+        inspect_data(&data, align)
     }
 }
 

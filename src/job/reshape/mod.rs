@@ -3,7 +3,6 @@
 pub(crate) mod attach;
 pub(crate) mod fill;
 pub(crate) mod inputs;
-pub(crate) mod inspect;
 pub(crate) mod output;
 pub(crate) mod page;
 pub(crate) mod plots;

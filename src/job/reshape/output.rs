@@ -7,8 +7,9 @@ use super::remesh::Course;
 use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
+use crate::fem::principal_stretches;
 use crate::io::{DataArray, check_writable, write_ply, write_vtu};
-use crate::job::measure::{distance_to_markers, principal_stretches};
+use crate::measure::distance_to_markers;
 use crate::mesh::{TetMesh, TriMesh};
 use crate::reshape::Reshaped;
 

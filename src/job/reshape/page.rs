@@ -11,9 +11,9 @@ use super::report::{Change, Ending, PairLine, Report, Shapes};
 use crate::error::Result;
 use crate::io::markup::escaped;
 use crate::io::write_beside;
-use crate::job::measure::Spread;
 use crate::job::report::picture::{Colour, Dot, View, draw};
 use crate::math::Vec3;
+use crate::measure::Spread;
 use crate::mesh::TriMesh;
 
 const SKIN: Colour = [0.86, 0.80, 0.74];

@@ -8,16 +8,17 @@
 
 use serde::Serialize;
 
-use super::fill::{Filling, fill_anew};
+use super::fill::fill_anew;
 use super::spec::ReshapeJob;
 use crate::error::Result;
-use crate::job::measure::deformation_gradients;
+use crate::fem::deformation_gradients;
 use crate::locate::Embedding;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::TetMesh;
 use crate::mesh::quality::radius_ratio;
 use crate::reshape::{Options, Problem, Reshaped, Stop, TemplatePoint, reshape};
 use crate::run::Run;
+use crate::tetrahedralize::Tetrahedralization;
 
 /// Re-meshes at most, where the job names no other number.
 const MOST: usize = 3;
@@ -73,7 +74,7 @@ struct Leg {
 #[derive(Clone, Debug)]
 pub struct Course {
     /// Tets of the last leg.
-    pub filling: Filling,
+    pub filling: Tetrahedralization,
     /// Template, points and markers of the last leg.
     pub problem: Problem,
     /// Its result; the iterations are those of all legs.
@@ -90,7 +91,7 @@ impl Course {
     pub fn run(
         job: &ReshapeJob,
         problem: Problem,
-        filling: Filling,
+        filling: Tetrahedralization,
         options: &Options,
         run: &Run,
     ) -> Result<Self> {
@@ -180,7 +181,7 @@ impl Course {
             before: Shapeliness::of(&self.now()),
             after: Shapeliness::of(&filling.mesh),
             tets: filling.mesh.tets.len(),
-            made_by: filling.made_by.clone(),
+            made_by: filling.used.to_string(),
         });
         Ok(Self { filling, problem, ..course })
     }
@@ -258,7 +259,7 @@ mod tests {
     /// Half axes of the person's ellipsoid.
     const AXES: Vec3 = Vec3::new(1.5, 1.0, 0.8);
 
-    fn ball_to_ellipsoid() -> (ReshapeJob, Problem, Filling) {
+    fn ball_to_ellipsoid() -> (ReshapeJob, Problem, Tetrahedralization) {
         let (points, triangles) = sphere(10, 16);
         let surface = TriMesh::new(points, triangles).unwrap();
         let job = ReshapeJob {

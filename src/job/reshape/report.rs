@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::remesh::Remesh;
 use crate::job::images::compare::SliceFigure;
-use crate::job::label_fit::LabelFit;
-use crate::job::measure::Spread;
-use crate::job::refine::Refinement;
 use crate::math::Vec3;
+use crate::measure::LabelFit;
+use crate::measure::Spread;
+use crate::reshape::Refinement;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

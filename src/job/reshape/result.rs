@@ -1,16 +1,15 @@
 //! What came out of the solver, measured.
 
-use super::inputs::{Inputs, Pair};
+use super::inputs::Inputs;
 use super::remesh::Course;
 use super::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
 use crate::error::Result;
-use crate::job::measure::{
-    Spread, marker_distances, pair_distances, principal_stretches, stretches_of,
-};
+use crate::fem::{principal_stretches, stretches_of};
 use crate::math::{Mat3, Vec3, median};
+use crate::measure::{Spread, marker_distances};
 use crate::mesh::quality::dihedral_angles;
 use crate::mesh::{TetMesh, TriMesh, signed_volume};
-use crate::reshape::{Options, Stop};
+use crate::reshape::{Options, Pair, Stop};
 
 /// A pair farther off than so many tolerances, and than so many times the median, is suspect.
 const SUSPECT: f64 = 5.0;
@@ -62,8 +61,7 @@ impl Outcome {
             .collect();
         let pairs = |list: &[Pair], tolerance: f64| {
             let positions: Vec<Vec3> = list.iter().map(|pair| pair.position).collect();
-            let moved = self.course.carry(&positions)?;
-            Ok(pair_lines(list, &pair_distances(list, &moved), tolerance))
+            Ok(pair_lines(list, &self.course.carry(&positions)?, tolerance))
         };
         let moved = TriMesh { points: reshaped.surface_points.clone(), ..inputs.surface.clone() };
         Ok(Report {
@@ -75,7 +73,7 @@ impl Outcome {
             vertices: inputs.surface.points.len(),
             tet_vertices: filling.mesh.points.len(),
             tets: filling.mesh.tets.len(),
-            tets_made_by: filling.made_by.clone(),
+            tets_made_by: filling.used.to_string(),
             markers: self.markers.len(),
             fixed: inputs.fixed.len(),
             iteration_count: summary.iterations.len().saturating_sub(1),
@@ -153,12 +151,17 @@ fn ending(stop: Stop) -> (Ending, &'static str) {
     }
 }
 
-fn pair_lines(pairs: &[Pair], distances: &[(f64, f64)], tolerance: f64) -> Vec<PairLine> {
+fn pair_lines(pairs: &[Pair], moved: &[Vec3], tolerance: f64) -> Vec<PairLine> {
+    let distances: Vec<(f64, f64)> = pairs
+        .iter()
+        .zip(moved)
+        .map(|(pair, now)| ((pair.position - pair.target).norm(), (now - pair.target).norm()))
+        .collect();
     let middle = median(distances.iter().map(|d| d.1)).unwrap_or(0.0);
     let limit = SUSPECT * tolerance.max(middle);
     pairs
         .iter()
-        .zip(distances)
+        .zip(&distances)
         .map(|(pair, &(before, after))| PairLine {
             label: pair.label.clone(),
             before,

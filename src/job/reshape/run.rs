@@ -2,25 +2,24 @@
 
 use std::time::Instant;
 
-use super::fill::{Filling, fill};
-use super::inputs::{Inputs, Pair};
-use super::inspect::inspect;
+use super::fill::fill;
+use super::inputs::Inputs;
 use super::output;
 use super::page::write_report;
 use super::remesh::Course;
 use super::report::{Ending, Report, Stage};
 use super::result::Outcome;
-use super::spec::{Align, ReshapeJob};
+use super::spec::ReshapeJob;
 use crate::align::{Freedom, Similarity, pre_align};
 use crate::error::{Error, Result};
 use crate::job::images::compare::Person;
-use crate::job::measure::{Spread, marker_distances};
-use crate::job::refine::{self, Refinement};
-use crate::job::threads::on_threads;
 use crate::math::Vec3;
+use crate::measure::{Spread, marker_distances};
 use crate::mesh::TriMesh;
-use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint, reshape};
+use crate::reshape::{Marker, Options, Pair, Problem, Refinement, find_borders, reshape};
 use crate::run::Run;
+use crate::tetrahedralize::Tetrahedralization;
+use crate::threads::on_threads;
 
 /// What a finished job tells its caller.
 #[derive(Clone, Debug)]
@@ -44,10 +43,12 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     let mut inputs = Inputs::read(job)?;
     let person = Person::read(job)?;
     output::check_places(job)?;
-    let align = job.align.unwrap_or_default();
-    let suspicions = inspect(&inputs, align)?;
+    let align = job.align.unwrap_or_default().freedom();
+    let suspicions = inputs.inspect(align)?;
     inputs.warnings.extend(suspicions);
-    place(&mut inputs, align)?;
+    if let Some(freedom) = align {
+        place(&mut inputs, freedom)?;
+    }
     clock.stop("reading");
     run.enter("filling with tets", 0.0);
     let mut filling = fill(job, &inputs.surface, run)?;
@@ -95,18 +96,13 @@ fn refine_problem(problem: &mut Problem, person: &Person, points: &[Vec3]) -> Re
     let result = TriMesh { points: points.to_vec(), triangles };
     let users: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
     let before = Spread::of(&marker_distances(&result.points, &result.triangles, &users));
-    let (markers, refinement) = refine::look(volume, &result, &users, before)?;
+    let (markers, refinement) = find_borders(volume, &result, &users, before)?;
     problem.markers.extend(markers);
     Ok(refinement)
 }
 
 /// Moves template, template points and carried meshes to where the person is.
-fn place(inputs: &mut Inputs, align: Align) -> Result<()> {
-    let freedom = match align {
-        Align::None => return Ok(()),
-        Align::Rigid => Freedom::Rigid,
-        Align::Similarity => Freedom::Similarity,
-    };
+fn place(inputs: &mut Inputs, freedom: Freedom) -> Result<()> {
     if !inputs.fixed.is_empty() {
         return Err(Error::invalid(
             "fixed points stay where they are, so the template cannot be aligned; leave one of the two out",
@@ -131,26 +127,20 @@ fn place(inputs: &mut Inputs, align: Align) -> Result<()> {
     Ok(())
 }
 
-fn problem(inputs: &Inputs, filling: &Filling) -> Problem {
+fn problem(inputs: &Inputs, filling: &Tetrahedralization) -> Problem {
     let mut problem = Problem::new(
         inputs.surface.clone(),
         filling.mesh.clone(),
         filling.embedding.clone(),
         filling.inside_fraction.clone(),
     );
-    let pair = |pair: &Pair| Landmark {
-        label: pair.label.clone(),
-        template: pair.vertex.map_or(TemplatePoint::Position(pair.position), TemplatePoint::Vertex),
-        target: pair.target,
-        weight: pair.weight,
-    };
     problem.markers = inputs
         .markers
         .iter()
         .map(|m| Marker { position: m.position, weight: m.weight.unwrap_or(1.0) })
         .collect();
-    problem.landmarks = inputs.landmarks.iter().map(pair).collect();
-    problem.attachments = inputs.attachments.iter().map(pair).collect();
+    problem.landmarks = inputs.landmarks.iter().map(Pair::landmark).collect();
+    problem.attachments = inputs.attachments.iter().map(Pair::landmark).collect();
     problem.fixed.clone_from(&inputs.fixed);
     problem
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::align::Freedom;
 use crate::error::{Error, Result};
 
 /// Whether the template is moved as a whole before it is reshaped.
@@ -18,6 +19,17 @@ pub enum Align {
     Rigid,
     /// Rotation, shift and one scale.
     Similarity,
+}
+
+impl Align {
+    /// What the move may change; none: nothing is moved.
+    pub fn freedom(self) -> Option<Freedom> {
+        match self {
+            Self::None => None,
+            Self::Rigid => Some(Freedom::Rigid),
+            Self::Similarity => Some(Freedom::Similarity),
+        }
+    }
 }
 
 /// What an attachment file with bone points asks for.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::align::best_rigid;
+use super::rigid::best_rigid;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 

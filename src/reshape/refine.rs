@@ -6,13 +6,13 @@
 
 use serde::Serialize;
 
+use super::problem::Marker;
 use crate::error::{Error, Result};
-use crate::job::measure::Spread;
 use crate::locate::NearestPoints;
 use crate::math::{Vec3, median};
+use crate::measure::Spread;
 use crate::mesh::adjacency::vertex_neighbours;
 use crate::mesh::{TriMesh, adjacency};
-use crate::reshape::Marker;
 use crate::volume::{Profiles, Volume};
 
 /// Profiles reach so many of the image's smallest voxel sizes to each side.
@@ -50,7 +50,7 @@ pub struct Refinement {
 
 /// Looks for the organ's border around `result`. Returns markers with their weights, and what was
 /// found in figures.
-pub(crate) fn look(
+pub fn find_borders(
     volume: &Volume,
     result: &TriMesh,
     users: &[Vec3],

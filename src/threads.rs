@@ -20,7 +20,7 @@ pub fn thread_pool(count: usize) -> Result<rayon::ThreadPool> {
 }
 
 /// Does `work` on that many threads; on all of the machine if none are named.
-pub(crate) fn on_threads<T: Send>(
+pub fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> Result<T> + Send,
 ) -> Result<T> {

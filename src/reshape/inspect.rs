@@ -1,12 +1,12 @@
 //! What is suspicious about a job's inputs, before anything is computed.
 
-use super::inputs::{Inputs, Pair};
-use super::spec::Align;
+use super::pairs::Pair;
+use super::problem::check_amount;
+use crate::align::Freedom;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::mesh::{SurfaceCheck, TriMesh, bounding_box, diagonal};
-use crate::reshape::check_amount;
 
 /// Markers and template whose sizes differ by more than this do not have the same unit.
 const UNIT_RATIO: f64 = 30.0;
@@ -49,35 +49,17 @@ pub struct Data<'a> {
     pub fixed: &'a [u32],
 }
 
-/// Checks the inputs against each other, see [`inspect_data`].
-pub fn inspect(inputs: &Inputs, align: Align) -> Result<Vec<String>> {
-    let markers: Vec<Vec3> = inputs
-        .markers
-        .iter()
-        .filter(|m| m.weight.is_none_or(|w| w > 0.0))
-        .map(|m| m.position)
-        .collect();
-    let data = Data {
-        surface: (&inputs.surface, &inputs.template_path.display().to_string()),
-        markers: &markers,
-        landmarks: &inputs.landmarks,
-        attachments: &inputs.attachments,
-        fixed: &inputs.fixed,
-    };
-    inspect_data(&data, align)
-}
-
 /// Checks template, points and pairs against each other. What cannot work is an error; what may be a
-/// mistake comes back as a sentence each.
-pub fn inspect_data(data: &Data, align: Align) -> Result<Vec<String>> {
+/// mistake comes back as a sentence each. `align`: how the template will be moved as a whole first.
+pub fn inspect_data(data: &Data, align: Option<Freedom>) -> Result<Vec<String>> {
     let (surface, name) = data.surface;
     let mut warnings = surface_warnings(surface, name);
     let of_weight = |pairs: &[Pair]| pairs.iter().filter(|p| p.weight > 0.0).count();
     check_amount(data.markers.len(), of_weight(data.landmarks), of_weight(data.attachments))?;
-    if align != Align::Similarity {
+    if align != Some(Freedom::Similarity) {
         check_units(surface, data.markers)?;
     }
-    if align == Align::None {
+    if align.is_none() {
         check_place(surface, data.markers, &mut warnings)?;
     }
     if (1..FEW_MARKERS).contains(&data.markers.len()) && data.landmarks.len() < FEW_MARKERS {
@@ -247,34 +229,43 @@ fn off_line(points: &[Vec3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::fmt::Write;
-    use std::path::Path;
-
     use super::*;
-    use crate::io::{Marker, parse_surface};
+
+    /// All that [`Data`] refers to.
+    struct Inputs {
+        surface: TriMesh,
+        markers: Vec<Vec3>,
+        landmarks: Vec<Pair>,
+        attachments: Vec<Pair>,
+        fixed: Vec<u32>,
+    }
 
     /// A box of 2 x 3 x 4 at (10, 20, 30), with markers near its corners.
     fn inputs() -> Inputs {
-        let mut text = String::new();
-        for k in 0..8 {
-            let corner = [10 + k % 2 * 2, 20 + k / 2 % 2 * 3, 30 + k / 4 * 4];
-            writeln!(text, "v {} {} {}", corner[0], corner[1], corner[2]).unwrap();
-        }
-        text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
-        let template = parse_surface(text.into_bytes(), Path::new("box.obj")).unwrap();
-        let surface = template.mesh().unwrap();
-        let markers = surface.points.iter().cycle().take(16).map(|p| Marker::at(p * 1.01));
+        let corner = |k: u32| [10 + k % 2 * 2, 20 + k / 2 % 2 * 3, 30 + k / 4 * 4].map(f64::from);
+        let quads =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let points = (0..8).map(|k| corner(k).into()).collect();
+        let surface = TriMesh::new(points, triangles).unwrap();
         Inputs {
-            template_path: "box.obj".into(),
-            markers: markers.collect(),
-            template,
+            markers: surface.points.iter().cycle().take(16).map(|p| p * 1.01).collect(),
             surface,
             landmarks: Vec::new(),
             attachments: Vec::new(),
             fixed: Vec::new(),
-            carried: Vec::new(),
-            warnings: Vec::new(),
         }
+    }
+
+    fn inspected(inputs: &Inputs) -> Result<Vec<String>> {
+        let data = Data {
+            surface: (&inputs.surface, "box.obj"),
+            markers: &inputs.markers,
+            landmarks: &inputs.landmarks,
+            attachments: &inputs.attachments,
+            fixed: &inputs.fixed,
+        };
+        inspect_data(&data, None)
     }
 
     fn pair(label: &str, position: [f64; 3], target: [f64; 3]) -> Pair {
@@ -284,20 +275,20 @@ mod tests {
 
     fn scale_markers(inputs: &mut Inputs, factor: [f64; 3]) {
         for marker in &mut inputs.markers {
-            marker.position.component_mul_assign(&Vec3::from(factor));
+            marker.component_mul_assign(&Vec3::from(factor));
         }
     }
 
     fn error(change: impl Fn(&mut Inputs)) -> String {
         let mut inputs = inputs();
         change(&mut inputs);
-        inspect(&inputs, Align::None).unwrap_err().to_string()
+        inspected(&inputs).unwrap_err().to_string()
     }
 
     fn warnings(change: impl Fn(&mut Inputs)) -> String {
         let mut inputs = inputs();
         change(&mut inputs);
-        inspect(&inputs, Align::None).unwrap().join("\n")
+        inspected(&inputs).unwrap().join("\n")
     }
 
     #[test]
@@ -324,7 +315,7 @@ mod tests {
     fn a_mixed_up_frame_is_suspected_and_a_far_template_is_named() {
         let text = error(|i| scale_markers(i, [-1.0, -1.0, 1.0]));
         assert!(text.contains("one of the files is in LPS, the other in RAS"), "{text}");
-        let text = warnings(|i| i.markers.iter_mut().for_each(|m| m.position.z += 40.0));
+        let text = warnings(|i| i.markers.iter_mut().for_each(|m| m.z += 40.0));
         assert!(text.contains("more than half its size; move the template"), "{text}");
     }
 

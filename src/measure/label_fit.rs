@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::distances::{Spread, marker_distances};
 use crate::error::{Error, Result};
-use crate::job::measure::{Spread, marker_distances};
 use crate::locate::{NearestPoints, WindingNumber};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;

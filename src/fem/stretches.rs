@@ -1,60 +1,8 @@
-//! Figures of a result: distances, stretches, tet angles.
+//! How far the tets of a body are stretched.
 
-use serde::{Deserialize, Serialize};
-
-use crate::job::reshape::inputs::Pair;
-use crate::locate::{ClosestPoints, Embedding, NearestPoints};
+use crate::locate::Embedding;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::TetMesh;
-
-/// Mean, 95th percentile and largest of some distances, in the template's unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// 95th percentile.
-    pub p95: f64,
-    /// Largest.
-    pub max: f64,
-}
-
-impl Spread {
-    /// Of a list; zeros without values.
-    pub fn of(values: &[f64]) -> Self {
-        if values.is_empty() {
-            return Self::default();
-        }
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let last = sorted.len() - 1;
-        Self {
-            mean: sorted.iter().sum::<f64>() / sorted.len() as f64,
-            p95: sorted[(0.95 * last as f64).round() as usize],
-            max: sorted[last],
-        }
-    }
-}
-
-/// Distance of each marker to a surface.
-pub fn marker_distances(points: &[Vec3], triangles: &[[u32; 3]], markers: &[Vec3]) -> Vec<f64> {
-    let closest = ClosestPoints::new(points, triangles);
-    closest.closest_many(markers).into_iter().map(|hit| hit.map_or(0.0, |h| h.distance)).collect()
-}
-
-/// Distance of each pair's place to its target, before and after it `moved`.
-pub fn pair_distances(pairs: &[Pair], moved: &[Vec3]) -> Vec<(f64, f64)> {
-    pairs
-        .iter()
-        .zip(moved)
-        .map(|(pair, now)| ((pair.position - pair.target).norm(), (now - pair.target).norm()))
-        .collect()
-}
-
-/// Distance of each surface vertex to the nearest marker.
-pub fn distance_to_markers(points: &[Vec3], markers: &[Vec3]) -> Vec<f64> {
-    let nearest = NearestPoints::new(markers);
-    points.iter().map(|p| nearest.nearest(p).map_or(0.0, |(_, distance)| distance)).collect()
-}
 
 /// Principal stretches of a deformation, largest first.
 pub fn principal_stretches(deformation: &Mat3) -> Vec3 {
@@ -127,17 +75,5 @@ mod tests {
         let embedding = Embedding::new(&tet(), &[Vec3::new(0.2, 0.2, 0.2)]).unwrap();
         let (largest, smallest) = vertex_stretches(&tet(), &now, &embedding);
         assert!((largest[0] - 3.0).abs() < 1e-14 && (smallest[0] - 0.5).abs() < 1e-14);
-    }
-
-    #[test]
-    fn spreads_and_pairs_are_measured() {
-        let spread = Spread::of(&[3.0, 1.0, 2.0]);
-        assert_eq!(spread, Spread { mean: 2.0, p95: 3.0, max: 3.0 });
-        let position = Vec3::new(0.25, 0.25, 0.0);
-        let target = position + Vec3::z();
-        let pair = Pair { label: "a".into(), position, vertex: None, target, weight: 1.0 };
-        let lifted = [position + Vec3::z() * 0.75];
-        let (before, after) = pair_distances(&[pair], &lifted)[0];
-        assert!((before - 1.0).abs() < 1e-12 && (after - 0.25).abs() < 1e-12);
     }
 }

@@ -1,0 +1,154 @@
+//! Landmarks and attachments with their places on the template; attachments of a bone.
+
+use std::collections::BTreeMap;
+
+use super::problem::{Landmark, TemplatePoint};
+use crate::align::{Rigid, best_rigid};
+use crate::error::{Error, Result};
+use crate::locate::ClosestPoints;
+use crate::math::Vec3;
+use crate::mesh::TriMesh;
+
+/// Fewer points of a bone do not tell how it is turned.
+const POINTS_FOR_ROTATION: usize = 3;
+
+/// A paired point with its place on the template.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Its name, else its number.
+    pub label: String,
+    /// Where it is on the template.
+    pub position: Vec3,
+    /// The template's vertex there, if the file names one.
+    pub vertex: Option<u32>,
+    /// Where it is on the person.
+    pub target: Vec3,
+    /// Relative weight.
+    pub weight: f64,
+}
+
+impl Pair {
+    /// A landmark with its place on `surface`.
+    pub fn of(landmark: &Landmark, surface: &TriMesh) -> Self {
+        let (position, vertex) = match landmark.template {
+            TemplatePoint::Vertex(v) => (surface.points[v as usize], Some(v)),
+            TemplatePoint::Position(position) => (position, None),
+        };
+        let Landmark { label, target, weight, .. } = landmark.clone();
+        Self { label, position, vertex, target, weight }
+    }
+
+    /// As the solver takes it.
+    pub fn landmark(&self) -> Landmark {
+        Landmark {
+            label: self.label.clone(),
+            template: self
+                .vertex
+                .map_or(TemplatePoint::Position(self.position), TemplatePoint::Vertex),
+            target: self.target,
+            weight: self.weight,
+        }
+    }
+}
+
+/// \[W\] 4.1.2: every vertex of a bone within `distance` of the template is linked to the template's
+/// point nearest to it. The gap is kept: the nearest point goes where the bone's vertex goes, plus
+/// the gap. `rest` and `person`: the bone's vertices beside the template and on the person.
+pub fn attach_to_bone(
+    name: &str,
+    rest: &[Vec3],
+    person: &[Vec3],
+    surface: &TriMesh,
+    distance: f64,
+) -> Result<Vec<Pair>> {
+    if rest.len() != person.len() {
+        return Err(Error::invalid(format!(
+            "the bone has {} vertices and its target {}; they need the same vertices",
+            rest.len(),
+            person.len()
+        )));
+    }
+    let motion = best_rigid(rest, person, None)?;
+    let closest = ClosestPoints::new(&surface.points, &surface.triangles);
+    let pairs: Vec<Pair> = rest
+        .iter()
+        .zip(person)
+        .filter_map(|(own, there)| {
+            let place = closest.closest_within(own, distance)?;
+            Some(Pair {
+                label: name.to_owned(),
+                position: place.position,
+                vertex: None,
+                target: there + motion.rotation * (place.position - own),
+                weight: 1.0,
+            })
+        })
+        .collect();
+    if pairs.is_empty() {
+        return Err(Error::invalid(format!(
+            "no vertex of the bone is within {distance} of the template; is the distance in the template's unit?"
+        )));
+    }
+    Ok(pairs)
+}
+
+/// Adds to each target the template's gap, turned as the bone (all attachments of one label) is
+/// turned. Bones with too few points are turned as all of them are. `gaps`: one for each pair.
+pub fn keep_gaps(pairs: &mut [Pair], gaps: &[Option<Vec3>]) -> Result<()> {
+    let mut bones: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (a, pair) in pairs.iter().enumerate() {
+        bones.entry(pair.label.clone()).or_default().push(a);
+    }
+    let all: Vec<usize> = (0..pairs.len()).collect();
+    let mut moved = Vec::new();
+    for members in bones.values() {
+        let with_gap = |list: &[usize]| -> Vec<(usize, Vec3)> {
+            list.iter().filter_map(|&a| Some((a, gaps[a]?))).collect()
+        };
+        let own = with_gap(members);
+        let enough = own.len() >= POINTS_FOR_ROTATION;
+        let basis = if enough { own.clone() } else { with_gap(&all) };
+        let motion = bone_motion(pairs, &basis)?;
+        moved.extend(own.into_iter().map(|(a, gap)| (a, motion.rotation * gap)));
+    }
+    for (a, gap) in moved {
+        pairs[a].target += gap;
+    }
+    Ok(())
+}
+
+fn bone_motion(pairs: &[Pair], basis: &[(usize, Vec3)]) -> Result<Rigid> {
+    if basis.len() < POINTS_FOR_ROTATION {
+        return Ok(Rigid::identity());
+    }
+    let from: Vec<Vec3> = basis.iter().map(|&(a, gap)| pairs[a].position - gap).collect();
+    let to: Vec<Vec3> = basis.iter().map(|&(a, _)| pairs[a].target).collect();
+    best_rigid(&from, &to, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gap_turns_with_the_bone() {
+        let bone =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]].map(Vec3::from);
+        let gap = Vec3::new(0.0, 0.0, 0.5);
+        let turn = |p: Vec3| Vec3::new(p.x + 5.0, -p.z, p.y);
+        let mut pairs: Vec<Pair> = bone
+            .iter()
+            .map(|&p| Pair {
+                label: "origin hip".into(),
+                position: p + gap,
+                vertex: None,
+                target: turn(p),
+                weight: 1.0,
+            })
+            .collect();
+        keep_gaps(&mut pairs, &[Some(gap); 4]).unwrap();
+        for (pair, p) in pairs.iter().zip(bone) {
+            assert!((pair.target - turn(p + gap)).norm() < 1e-12);
+        }
+    }
+}
