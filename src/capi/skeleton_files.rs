@@ -11,10 +11,10 @@ use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{buffers, handles};
 use crate::error::Result;
 use crate::io::gltf::write_glb;
-use crate::io::{write_beside, write_surface};
+use crate::io::{file_name, write_beside, write_surface};
 use crate::job::skeleton_build::{build_skeleton, skeleton_document};
 use crate::job::{
-    file_name, metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene, write_osim,
+    metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene, write_osim,
 };
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;

@@ -65,7 +65,7 @@ pub use nrrd::parse_nrrd;
 pub use obj::{ObjCorner, ObjDocument};
 pub use pairs::{
     Attachment, Landmark, PairedLandmarks, pair_by_label, parse_attachments, parse_fixed,
-    parse_landmarks, read_attachments, read_fixed, read_landmarks,
+    parse_landmarks, read_attachments, read_fixed, read_landmark_files, read_landmarks,
 };
 pub use picked_points::{parse_picked_points, write_picked_points};
 pub use ply::{PlyDocument, write_ply};
@@ -78,4 +78,4 @@ pub use veg::parse_veg;
 pub use volumes::{VolumeFile, is_volume, read_volume};
 pub use vtu_read::parse_vtu;
 pub use vtu_write::{DataArray, write_vtu};
-pub use write::{check_writable, read_bytes, write_beside};
+pub use write::{check_writable, file_name, read_bytes, read_text, stem, write_beside};

@@ -1,7 +1,7 @@
 //! Points of the template with known targets: landmarks, attachments, fixed points.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::anchor::{Anchor, AnchorColumns};
 use super::markers::{Marker, read_markers};
@@ -76,6 +76,29 @@ pub fn parse_landmarks(bytes: &[u8], path: &Path) -> Result<Vec<Landmark>> {
             })
         })
         .collect()
+}
+
+/// The landmarks of one file of pairs, or of two marker files (template, person) whose points are paired
+/// by label. Comes with a sentence if labels were left out.
+pub fn read_landmark_files(files: &[PathBuf]) -> Result<(Vec<Landmark>, Option<String>)> {
+    match files {
+        [] => Ok((Vec::new(), None)),
+        [pairs] => Ok((read_landmarks(pairs)?, None)),
+        [template, person] => {
+            let paired = pair_by_label(template, person)?;
+            let warning = (!paired.unpaired.is_empty()).then(|| {
+                format!(
+                    "landmarks that only one of the two files has are left out: {}",
+                    paired.unpaired.join(", ")
+                )
+            });
+            Ok((paired.landmarks, warning))
+        }
+        more => Err(Error::invalid(format!(
+            "{} landmark files are given; one file of pairs or two files paired by label are needed",
+            more.len()
+        ))),
+    }
 }
 
 /// Reads attachments from a CSV file, see [`parse_attachments`].

@@ -13,6 +13,24 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     fs::read(path).map_err(|e| Error::io("read", path, e))
 }
 
+/// The text of a file.
+pub fn read_text(path: &Path) -> Result<String> {
+    String::from_utf8(read_bytes(path)?)
+        .map_err(|_| Error::parse(path, None, "the file is not valid UTF-8 text"))
+}
+
+/// A file's name without folder and extension.
+pub fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// A name without anything that means something in a path.
+pub fn file_name(name: &str) -> String {
+    let safe = |c: char| if c.is_alphanumeric() || "_-.".contains(c) { c } else { '_' };
+    let cleaned: String = name.chars().map(safe).collect();
+    cleaned.trim_start_matches('.').to_string()
+}
+
 /// Writes a file such that `path` holds either its old content or the complete new one: `fill`
 /// writes to a file beside it, which is then renamed. Missing folders are made.
 pub fn write_beside(

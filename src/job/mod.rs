@@ -10,9 +10,8 @@ mod reshape;
 mod separate;
 
 pub use check::{FileCheck, check_file};
-pub use convert::conversion::{
-    Conversion, convert, metres_per_unit, read_osim_skeleton, unknown_angles, write_motion_file,
-};
+pub use convert::conversion::{Conversion, convert};
+pub use convert::osim_read::read_osim_skeleton;
 pub use convert::osim_write::write_osim;
 pub use images::compare::{CompareJob, SliceFigure, run_compare};
 pub use images::slice::{MarkersJob, SliceJob, run_markers, run_slice};
@@ -30,12 +29,14 @@ pub use register::model::{
     shape_in_place,
 };
 pub use register::model_file::{parse_shape_model, read_shape_model, write_shape_model};
-pub use register::output::{file_name, result_document, scene};
+pub use register::motion_files::{read_motion, write_motion_file};
+pub use register::output::result_document;
 pub use register::report::{LandmarkSummary, RegisterReport, warnings as registration_warnings};
-pub use register::run::{
-    RegisterJob, RegisterResult, SkeletonFiles, read_motion, read_skeleton, run_register,
-};
+pub use register::run::{RegisterResult, run_register};
+pub use register::scene::{metres_per_unit, scene};
 pub use register::skeleton_build;
+pub use register::skeleton_files::{SkeletonFiles, read_skeleton};
+pub use register::spec::RegisterJob;
 pub use register::track::{TrackJob, TrackedFrame, run_track};
 pub use reshape::attach::read_attachment_pairs;
 pub use reshape::fill::fill;

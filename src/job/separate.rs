@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::io::stem;
 use crate::io::{
     DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_beside,
     write_ply, write_vtu,
 };
-use crate::job::reshape::output::stem;
 use crate::locate::WindingNumber;
 use crate::math::Vec3;
 use crate::measure::{Spread, marker_distances};

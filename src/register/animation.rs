@@ -24,6 +24,15 @@ pub struct Motion {
     pub frames: Vec<Vec<f64>>,
 }
 
+/// The angles of a motion that the skeleton does not have, in a sentence.
+pub fn unknown_angles(skeleton: &Skeleton, motion: &Motion) -> Option<String> {
+    let unknown = |name: &&String| {
+        !skeleton.joints.iter().flat_map(|j| &j.coordinates).any(|c| c.name == **name)
+    };
+    let left: Vec<&str> = motion.names.iter().filter(unknown).map(String::as_str).collect();
+    (!left.is_empty()).then(|| format!("the skeleton has no angle {}; left out", left.join(", ")))
+}
+
 /// The rotation of a joint at given angles, one per coordinate.
 pub fn joint_rotation(joint: &Joint, angles: &[f64]) -> UnitQuaternion<f64> {
     joint

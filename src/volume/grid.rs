@@ -22,6 +22,9 @@ pub struct Volume {
     voxel_from_world: Mat3,
 }
 
+/// Of more labels, an error names only so many.
+const MOST_NAMED: usize = 20;
+
 impl Volume {
     /// Values with the first index fastest. `world_from_voxel`: its columns are the steps (mm, RAS)
     /// of one voxel along each index; `origin`: the centre of the first voxel.
@@ -202,6 +205,26 @@ impl Volume {
         }
         counts.remove(&0);
         Some(counts.into_iter().collect())
+    }
+
+    /// The label of a map that has one.
+    pub fn only_label(&self) -> Result<u32> {
+        match self.labels().as_deref() {
+            Some([(label, _)]) => Ok(*label),
+            Some([]) => Err(Error::invalid("the image holds only zeros")),
+            Some(many) => {
+                let list: Vec<String> =
+                    many.iter().take(MOST_NAMED).map(|(l, _)| l.to_string()).collect();
+                Err(Error::invalid(format!(
+                    "the image has {} labels; choose one with --label: {}",
+                    many.len(),
+                    list.join(", ")
+                )))
+            }
+            None => Err(Error::invalid(
+                "the image is no label map: its values are no small whole numbers",
+            )),
+        }
     }
 }
 

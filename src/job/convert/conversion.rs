@@ -2,33 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::Point3;
-
+use super::osim_read::read_osim_skeleton;
 use super::osim_write::write_osim;
 use crate::error::{Error, Result};
-use crate::io::bvh::write_bvh;
 use crate::io::gltf::write_glb;
-use crate::io::mot::{MotionTable, write_motion};
-use crate::io::osim::{OsimModel, parse_osim};
-use crate::io::skeleton::SkeletonDocument;
-use crate::io::vtp::read_vtp;
-use crate::io::{read_bytes, read_surface, write_beside, write_surface};
-use crate::job::register::bvh_motion::bvh_of_motion;
-use crate::job::register::output::{file_name, scene};
-use crate::job::register::run::{read_motion, read_skeleton};
-use crate::math::Vec3;
-use crate::mesh::TriMesh;
-use crate::register::Skeleton;
-use crate::register::animation::Motion;
-
-/// Metres per unit of a skeleton file that says its unit; millimetres otherwise.
-pub fn metres_per_unit(units: Option<&str>) -> f64 {
-    match units {
-        Some("m") => 1.0,
-        Some("cm") => 0.01,
-        _ => 0.001,
-    }
-}
+use crate::io::{write_beside, write_surface};
+use crate::job::register::motion_files::{is_bvh, read_motion, write_motion_file};
+use crate::job::register::scene::{metres_per_unit, scene};
+use crate::job::register::skeleton_files::read_skeleton;
+use crate::register::animation::unknown_angles;
 
 /// One conversion; what is needed depends on the formats.
 #[derive(Clone, Debug, Default)]
@@ -109,47 +91,6 @@ fn convert_motion(job: &Conversion) -> Result<Vec<String>> {
     })
 }
 
-fn is_bvh(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh"))
-}
-
-/// Writes a motion of a skeleton: `.bvh`, or OpenSim's `.mot`.
-pub fn write_motion_file(path: &Path, skeleton: &Skeleton, motion: &Motion) -> Result<()> {
-    if is_bvh(path) {
-        return write_bvh(path, &bvh_of_motion(skeleton, motion)?);
-    }
-    let Motion { names, times, frames } = motion.clone();
-    write_motion(path, &MotionTable { names, times, rows: frames })
-}
-
-/// The angles of a motion that the skeleton does not have, in a sentence.
-pub fn unknown_angles(skeleton: &Skeleton, motion: &Motion) -> Option<String> {
-    let unknown = |name: &&String| {
-        !skeleton.joints.iter().flat_map(|j| &j.coordinates).any(|c| c.name == **name)
-    };
-    let left: Vec<&str> = motion.names.iter().filter(unknown).map(String::as_str).collect();
-    (!left.is_empty()).then(|| format!("the skeleton has no angle {}; left out", left.join(", ")))
-}
-
-/// Reads an OpenSim model: its skeleton, the surface of each bone in the default pose, metres, and
-/// notes on what was left out.
-pub fn read_osim_skeleton(path: &Path) -> Result<(SkeletonDocument, Vec<TriMesh>, Vec<String>)> {
-    let bytes = read_bytes(path)?;
-    let model = parse_osim(&String::from_utf8_lossy(&bytes), path)?;
-    let OsimModel { mut document, world_from_body, mesh_scale, notes, .. } = model;
-    let mut meshes = Vec::new();
-    for (k, bone) in document.bones.iter_mut().enumerate() {
-        let mut mesh = read_mesh(&find_mesh(path, &bone.mesh)?)?;
-        let scale = Vec3::from(mesh_scale[k]);
-        for p in &mut mesh.points {
-            *p = (world_from_body[k] * Point3::from(p.component_mul(&scale))).coords;
-        }
-        bone.mesh = format!("bones/{}.obj", file_name(&bone.name));
-        meshes.push(mesh);
-    }
-    Ok((document, meshes, notes))
-}
-
 fn write_osim_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
     let (document, meshes, notes) = read_osim_skeleton(from)?;
     let folder = to.parent().unwrap_or(Path::new(""));
@@ -159,25 +100,6 @@ fn write_osim_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
     let text = document.to_text()?;
     write_beside(to, |out| out.write_all(text.as_bytes()))?;
     Ok(notes)
-}
-
-/// A mesh beside the model, or in `Geometry/` as OpenSim looks it up.
-fn find_mesh(model: &Path, name: &str) -> Result<PathBuf> {
-    let folder = model.parent().unwrap_or(Path::new(""));
-    let places = [folder.join(name), folder.join("Geometry").join(name)];
-    places.into_iter().find(|p| p.is_file()).ok_or_else(|| {
-        Error::invalid(format!(
-            "the mesh {name} of {} lies neither beside it nor in Geometry/",
-            model.display()
-        ))
-    })
-}
-
-fn read_mesh(path: &Path) -> Result<TriMesh> {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("vtp")) {
-        return read_vtp(path);
-    }
-    read_surface(path)?.mesh()
 }
 
 #[cfg(test)]

@@ -9,13 +9,13 @@ use std::path::Path;
 
 use nalgebra::{Isometry3, Point3, Translation3};
 
-use super::conversion::{metres_per_unit, read_osim_skeleton};
+use super::osim_read::read_osim_skeleton;
 use crate::error::{Error, Result};
 use crate::io::osim::parse_osim;
 use crate::io::osim_edit::{OsimChanges, edit_osim};
 use crate::io::skeleton::SkeletonDocument;
-use crate::io::{read_bytes, write_beside, write_surface};
-use crate::job::register::output::file_name;
+use crate::io::{file_name, read_bytes, write_beside, write_surface};
+use crate::job::register::scene::metres_per_unit;
 use crate::job::register::skeleton_build::build_skeleton;
 use crate::math::Vec3;
 use crate::register::Skeleton;
@@ -182,7 +182,7 @@ impl OsimChanges for Changes {
 mod tests {
     use super::*;
     use crate::job::convert::conversion::{Conversion, convert};
-    use crate::job::register::run::read_skeleton;
+    use crate::job::register::skeleton_files::read_skeleton;
     use crate::register::rotation::turned_about;
     use nalgebra::UnitQuaternion;
 

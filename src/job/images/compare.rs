@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use super::picture::{Overlay, Rgb, slice_picture};
-use super::slice::only_label;
 use crate::error::{Error, Result};
 use crate::io::{read_surface, read_volume, write_beside};
-use crate::job::reshape::spec::ReshapeJob;
 use crate::math::Vec3;
 use crate::measure::LabelFit;
 use crate::mesh::{TriMesh, bounding_box, plane_section};
@@ -45,17 +43,8 @@ pub struct Person {
 }
 
 impl Person {
-    /// Reads what a job names, before anything is computed.
-    pub fn read(job: &ReshapeJob) -> Result<Self> {
-        if job.refine == Some(true) && job.volume.is_none() {
-            return Err(Error::invalid(
-                "to refine by the image, an image is needed; name it with --volume",
-            ));
-        }
-        Self::from_files(job.volume.as_ref(), job.label_map.as_ref(), job.label)
-    }
-
-    fn from_files(
+    /// Reads the files that are named; without a label, the map's only one is taken.
+    pub fn read(
         volume: Option<&PathBuf>,
         labels: Option<&PathBuf>,
         label: Option<u32>,
@@ -65,7 +54,7 @@ impl Person {
         let map = read_volume(path)?.volume;
         let label = match label {
             Some(label) => label,
-            None => only_label(&map).map_err(|e| Error::parse(path, None, e.to_string()))?,
+            None => map.only_label().map_err(|e| Error::parse(path, None, e.to_string()))?,
         };
         Ok(Self { volume, labels: Some((map, label)) })
     }
@@ -178,7 +167,7 @@ pub fn run_compare(job: &CompareJob) -> Result<(Option<LabelFit>, Vec<PathBuf>)>
     }
     let mesh = read_surface(&job.surface)?.mesh()?;
     let template = job.template.as_ref().map(|path| read_surface(path)?.mesh()).transpose()?;
-    let person = Person::from_files(job.volume.as_ref(), job.labels.as_ref(), job.label)?;
+    let person = Person::read(job.volume.as_ref(), job.labels.as_ref(), job.label)?;
     let fit = person.fit(&mesh)?;
     let mut written = Vec::new();
     if let Some(folder) = &job.out {

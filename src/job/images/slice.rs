@@ -9,7 +9,7 @@ use crate::io::{
 };
 use crate::math::Vec3;
 use crate::mesh::plane_section;
-use crate::volume::{Clicks, SlicePlane, View, Volume, Window, label_markers, outlines};
+use crate::volume::{Clicks, SlicePlane, View, Window, label_markers, outlines};
 
 /// Colours of the lines of meshes, one after the other.
 const MESHES: [Rgb; 5] =
@@ -148,32 +148,11 @@ pub fn run_markers(job: &MarkersJob) -> Result<usize> {
         jitter: job.jitter.unwrap_or(usual.jitter),
         seed: job.seed.unwrap_or(usual.seed),
     };
-    let label = job.label.map_or_else(|| only_label(&labels), Ok);
+    let label = job.label.map_or_else(|| labels.only_label(), Ok);
     let points = label
         .and_then(|label| label_markers(&labels, label, &views, &clicks))
         .map_err(|e| Error::parse(path, None, e.to_string()))?;
     let markers: Vec<Marker> = points.into_iter().map(Marker::at).collect();
     write_markers(&job.out, &markers)?;
     Ok(markers.len())
-}
-
-/// The label of a map that has one.
-pub(crate) fn only_label(labels: &Volume) -> Result<u32> {
-    const MOST_NAMED: usize = 20;
-    match labels.labels().as_deref() {
-        Some([(label, _)]) => Ok(*label),
-        Some([]) => Err(Error::invalid("the image holds only zeros")),
-        Some(many) => {
-            let list: Vec<String> =
-                many.iter().take(MOST_NAMED).map(|(l, _)| l.to_string()).collect();
-            Err(Error::invalid(format!(
-                "the image has {} labels; choose one with --label: {}",
-                many.len(),
-                list.join(", ")
-            )))
-        }
-        None => {
-            Err(Error::invalid("the image is no label map: its values are no small whole numbers"))
-        }
-    }
 }

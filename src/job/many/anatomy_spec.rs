@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::{Error, Result};
-use crate::job::register::output::file_name;
-use crate::job::register::run::RegisterJob;
-use crate::job::reshape::output::stem;
+use crate::io::{file_name, read_text, stem};
+use crate::job::register::spec::RegisterJob;
 use crate::job::reshape::spec::{ReshapeJob, one_or_many};
 
 /// All that describes the anatomy of one person. Paths are relative to the job file. Lengths are
@@ -68,10 +67,7 @@ struct Document {
 impl AnatomyJob {
     /// Reads a TOML job file.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = crate::io::read_bytes(path)?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| Error::parse(path, None, "the file is no text in UTF-8"))?;
-        Self::parse(&text, path)
+        Self::parse(&read_text(path)?, path)
     }
 
     /// The same from text; `path` tells where paths start and serves the error sentences.

@@ -6,7 +6,7 @@ use super::case::{Case, run_case, run_cases};
 use super::provenance::read_job;
 use crate::error::{Error, Result};
 use crate::io::check_writable;
-use crate::job::reshape::output::stem;
+use crate::io::stem;
 use crate::run::Run;
 
 /// All that describes one batch; also the flags of the command line.

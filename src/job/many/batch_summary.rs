@@ -11,9 +11,9 @@ use super::case::{Case, Status};
 use crate::align::ShapeStatistics;
 use crate::error::{Error, Result};
 use crate::io::markup::escaped;
+use crate::io::stem;
 use crate::io::{SurfaceFile, read_surface, write_beside};
 use crate::job::report::picture::{Colour, View, draw};
-use crate::job::reshape::output::stem;
 use crate::mesh::TriMesh;
 
 const SKIN: Colour = [0.86, 0.80, 0.74];

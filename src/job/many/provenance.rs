@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
-use crate::io::read_bytes;
+use crate::io::{read_bytes, read_text};
 use crate::job::reshape::spec::ReshapeJob;
 
 /// One input file.
@@ -21,8 +21,7 @@ pub struct InputFile {
 
 /// Reads a job file; returns its text too.
 pub(crate) fn read_job(path: &Path) -> Result<(ReshapeJob, String)> {
-    let text = String::from_utf8(read_bytes(path)?)
-        .map_err(|_| Error::parse(path, None, "the file is no text in UTF-8"))?;
+    let text = read_text(path)?;
     Ok((ReshapeJob::parse(&text, path)?, text))
 }
 

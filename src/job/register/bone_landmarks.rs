@@ -4,8 +4,7 @@ use std::cell::LazyCell;
 use std::path::PathBuf;
 
 use crate::error::{Error, Result};
-use crate::io;
-use crate::job::reshape::inputs::read_landmark_files;
+use crate::io::{self, read_landmark_files};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
 use crate::register::{Landmark, Skeleton};

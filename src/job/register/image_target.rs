@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::run::SkeletonFiles;
+use super::skeleton_files::SkeletonFiles;
 use crate::error::{Error, Result};
 use crate::io::skeleton::ReferenceImage;
 use crate::io::{read_profiles, read_volume};
@@ -71,4 +71,15 @@ pub(crate) fn image_target(
 ) -> Result<(Target, Vec<String>)> {
     let file = read_volume(volume)?;
     Ok((Target::image(skeleton, file.volume, appearance)?, file.notes))
+}
+
+/// Millimetres as shares of the skeleton's diagonal.
+pub(crate) fn relative_reach(reach: &[f64], skeleton: &Skeleton) -> Result<[f64; 2]> {
+    let diagonal = crate::mesh::diagonal(&skeleton.points);
+    match reach {
+        [first, last] if [first, last].iter().all(|r| r.is_finite() && **r > 0.0) => {
+            Ok([first / diagonal, last / diagonal])
+        }
+        _ => Err(Error::invalid("--reach needs two lengths above 0, such as 20 5")),
+    }
 }

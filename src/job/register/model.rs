@@ -7,10 +7,10 @@ use base64::Engine;
 use serde::Serialize;
 
 use super::model_file::{read_shape_model, write_shape_model};
-use super::output::file_name;
-use super::run::{SkeletonFiles, read_skeleton};
 use super::skeleton_build::skeleton_document;
+use super::skeleton_files::{SkeletonFiles, read_skeleton};
 use crate::error::{Error, Result};
+use crate::io::file_name;
 use crate::io::write_beside;
 use crate::job::report::picture::{Colour, View, draw};
 use crate::math::Vec3;

@@ -2,30 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::Isometry3;
 use serde_json::json;
 
-use super::run::{RegisterJob, SkeletonFiles};
+use super::scene::scene;
 use super::skeleton_build::skeleton_document;
+use super::skeleton_files::SkeletonFiles;
+use super::spec::RegisterJob;
 use crate::error::Result;
-use crate::io::gltf::{GltfNode, GltfScene, write_glb};
+use crate::io::gltf::write_glb;
 use crate::io::skeleton::{ReferenceImage, SkeletonDocument, SoftEntry};
-use crate::io::{SurfaceFile, read_surface, read_volume, write_beside, write_profiles};
-use crate::register::animation::{Motion, animate, present_angles};
+use crate::io::{SurfaceFile, file_name, read_surface, read_volume, write_beside, write_profiles};
+use crate::register::animation::{Motion, present_angles};
 use crate::register::transfer::carry_soft_tissue;
-use crate::register::{Appearance, Registered, Skeleton};
+use crate::register::{Appearance, Registered};
 
 /// A soft tissue surface to carry.
 pub(crate) struct Carried {
     name: String,
     file: SurfaceFile,
-}
-
-/// A name without anything that means something in a path.
-pub fn file_name(name: &str) -> String {
-    let safe = |c: char| if c.is_alphanumeric() || "_-.".contains(c) { c } else { '_' };
-    let cleaned: String = name.chars().map(safe).collect();
-    cleaned.trim_start_matches('.').to_string()
 }
 
 /// The soft tissues of the skeleton file and those named in the job.
@@ -113,62 +107,4 @@ fn result_value(found: &Registered) -> serde_json::Value {
         "bones": found.bones, "joints": found.joints, "angles_deg": angles,
         "scales": found.scales, "shape_coefficients": found.coefficients, "levels": found.levels, "cancelled": found.cancelled
     })
-}
-
-/// The skeleton as a tree of nodes, each in the frame of the joint it hangs on.
-pub fn scene(
-    skeleton: &Skeleton,
-    motion: Option<&Motion>,
-    metres_per_unit: f64,
-) -> Result<GltfScene> {
-    let forest = skeleton.spanning_forest(0);
-    let mut frame = vec![Isometry3::identity(); skeleton.bones.len()];
-    let mut hangs: Vec<Option<(usize, usize)>> = vec![None; skeleton.bones.len()];
-    let mut order: Vec<usize> = Vec::new();
-    for &(j, to_child) in &forest {
-        let joint = &skeleton.joints[j];
-        let (near, far, own) = if to_child {
-            (joint.parent, joint.child, joint.child_frame)
-        } else {
-            (joint.child, joint.parent, joint.parent_frame)
-        };
-        frame[far] = own;
-        hangs[far] = Some((near, j));
-        order.push(far);
-    }
-    let roots: Vec<usize> = (0..skeleton.bones.len()).filter(|&b| hangs[b].is_none()).collect();
-    let order: Vec<usize> = roots.into_iter().chain(order).collect();
-    let node_of = |bone: usize| order.iter().position(|&b| b == bone);
-    let poses = motion.map(|m| animate(skeleton, 0, m)).transpose()?.unwrap_or_default();
-    let nodes = order.iter().map(|&b| {
-        let local = |motions: Option<&Vec<Isometry3<f64>>>| {
-            let world = |b: usize| motions.map_or(frame[b], |m| m[b] * frame[b]);
-            hangs[b].map_or_else(|| world(b), |(near, _)| world(near).inv_mul(&world(b)))
-        };
-        let mut mesh = skeleton.bone_surface(b, &skeleton.points);
-        for p in &mut mesh.points {
-            *p = frame[b].inverse_transform_point(&(*p).into()).coords;
-        }
-        GltfNode {
-            name: skeleton.bones[b].name.clone(),
-            parent: hangs[b].and_then(|(near, _)| node_of(near)),
-            local: local(None),
-            mesh,
-            extras: hangs[b].map_or(serde_json::Value::Null, |(_, j)| limits_value(skeleton, j)),
-            track: poses.iter().map(|p| local(Some(p))).collect(),
-        }
-    });
-    let times = motion.map(|m| m.times.clone()).unwrap_or_default();
-    Ok(GltfScene { nodes: nodes.collect(), times, metres_per_unit })
-}
-
-fn limits_value(skeleton: &Skeleton, j: usize) -> serde_json::Value {
-    let joint = &skeleton.joints[j];
-    let degrees = |v: &crate::math::Vec3| {
-        v.iter().map(|x| x.is_finite().then(|| x.to_degrees())).collect::<Vec<_>>()
-    };
-    json!({"joint": joint.name, "limits": {
-        "neg_deg": degrees(&joint.limits.negative), "pos_deg": degrees(&joint.limits.positive),
-        "shift": joint.limits.shift, "shape": "ellipsoid"
-    }})
 }

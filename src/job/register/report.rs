@@ -7,7 +7,8 @@ use base64::Engine;
 use serde::Serialize;
 
 use super::bone_landmarks::BoneLandmarks;
-use super::run::{RegisterJob, SkeletonFiles};
+use super::skeleton_files::SkeletonFiles;
+use super::spec::RegisterJob;
 use crate::error::{Error, Result};
 use crate::io::markup::escaped;
 use crate::io::write_beside;

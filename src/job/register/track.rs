@@ -3,9 +3,10 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use super::image_target::{Measure, appearance, image_target};
+use super::image_target::{Measure, appearance, image_target, relative_reach};
 use super::output;
-use super::run::{RegisterJob, read_skeleton};
+use super::skeleton_files::read_skeleton;
+use super::spec::RegisterJob;
 use crate::error::{Error, Result};
 use crate::io::write_beside;
 use crate::register::animation::present_angles;
@@ -80,20 +81,6 @@ pub fn run_track(job: &TrackJob, run: &Run) -> Result<Vec<TrackedFrame>> {
         write_beside(&job.out.join("angles.csv"), |out| out.write_all(table.as_bytes()))?;
     }
     if frames.is_empty() { Err(Error::Cancelled) } else { Ok(frames) }
-}
-
-/// Millimetres as shares of the skeleton's diagonal.
-pub(crate) fn relative_reach(
-    reach: &[f64],
-    skeleton: &crate::register::Skeleton,
-) -> Result<[f64; 2]> {
-    let diagonal = crate::mesh::diagonal(&skeleton.points);
-    match reach {
-        [first, last] if [first, last].iter().all(|r| r.is_finite() && **r > 0.0) => {
-            Ok([first / diagonal, last / diagonal])
-        }
-        _ => Err(Error::invalid("--reach needs two lengths above 0, such as 20 5")),
-    }
 }
 
 /// One row per frame: the image, the verdict, the share seen, all named angles in degrees.

@@ -93,7 +93,7 @@ pub fn read_landmark_pairs(
     files: &[PathBuf],
     surface: &TriMesh,
 ) -> Result<(Vec<Pair>, Option<String>)> {
-    let (list, warning) = read_landmark_files(files)?;
+    let (list, warning) = io::read_landmark_files(files)?;
     let pair = |(l, landmark): (usize, io::Landmark)| {
         let place = landmark.anchor.resolve(surface)?;
         Ok(Pair {
@@ -105,31 +105,6 @@ pub fn read_landmark_pairs(
         })
     };
     Ok((list.into_iter().enumerate().map(pair).collect::<Result<_>>()?, warning))
-}
-
-/// The landmarks of one file of pairs, or of two marker files (template, person) whose points are paired
-/// by label. Comes with a sentence if labels were left out.
-pub(crate) fn read_landmark_files(
-    files: &[PathBuf],
-) -> Result<(Vec<io::Landmark>, Option<String>)> {
-    match files {
-        [] => Ok((Vec::new(), None)),
-        [pairs] => Ok((io::read_landmarks(pairs)?, None)),
-        [template, person] => {
-            let paired = io::pair_by_label(template, person)?;
-            let warning = (!paired.unpaired.is_empty()).then(|| {
-                format!(
-                    "landmarks that only one of the two files has are left out: {}",
-                    paired.unpaired.join(", ")
-                )
-            });
-            Ok((paired.landmarks, warning))
-        }
-        more => Err(Error::invalid(format!(
-            "{} landmark files are given; one file of pairs or two files paired by label are needed",
-            more.len()
-        ))),
-    }
 }
 
 /// Reads fixed points: the vertices of `surface` that the file names, or the nearest ones, because

@@ -13,11 +13,6 @@ use crate::measure::distance_to_markers;
 use crate::mesh::{TetMesh, TriMesh};
 use crate::reshape::Reshaped;
 
-/// A file's name without folder and extension.
-pub(crate) fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 /// Refuses outputs that would come to nothing, before anything is computed.
 pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
     if job.out.is_none() && job.report.is_none() && job.tets_out.is_none() && job.ply_out.is_none()

@@ -41,7 +41,10 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     let mut clock = Clock::new();
     run.enter("reading", 0.0);
     let mut inputs = Inputs::read(job)?;
-    let person = Person::read(job)?;
+    if job.refine == Some(true) && job.volume.is_none() {
+        return Err(no_image());
+    }
+    let person = Person::read(job.volume.as_ref(), job.label_map.as_ref(), job.label)?;
     output::check_places(job)?;
     let align = job.align.unwrap_or_default().freedom();
     let suspicions = inputs.inspect(align)?;
@@ -89,9 +92,7 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
 
 /// Adds to the problem what the image shows where the user marked nothing.
 fn refine_problem(problem: &mut Problem, person: &Person, points: &[Vec3]) -> Result<Refinement> {
-    let volume = person.volume.as_ref().ok_or_else(|| {
-        Error::invalid("to refine by the image, an image is needed; name it with --volume")
-    })?;
+    let volume = person.volume.as_ref().ok_or_else(no_image)?;
     let triangles = problem.surface.triangles.clone();
     let result = TriMesh { points: points.to_vec(), triangles };
     let users: Vec<Vec3> = problem.markers.iter().map(|m| m.position).collect();
@@ -99,6 +100,10 @@ fn refine_problem(problem: &mut Problem, person: &Person, points: &[Vec3]) -> Re
     let (markers, refinement) = find_borders(volume, &result, &users, before)?;
     problem.markers.extend(markers);
     Ok(refinement)
+}
+
+fn no_image() -> Error {
+    Error::invalid("to refine by the image, an image is needed; name it with --volume")
 }
 
 /// Moves template, template points and carried meshes to where the person is.

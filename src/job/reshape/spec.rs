@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::align::Freedom;
 use crate::error::{Error, Result};
+use crate::io::read_text;
 
 /// Whether the template is moved as a whole before it is reshaped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -191,10 +192,7 @@ macro_rules! first_of {
 impl ReshapeJob {
     /// Reads a TOML job file; its paths come back relative to where the file is.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| Error::parse(path, None, "the file is no text in UTF-8"))?;
-        Self::parse(&text, path)
+        Self::parse(&read_text(path)?, path)
     }
 
     /// The same from text; `path` tells where paths start and serves the error sentences.
