@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::markers::Marker;
+use super::marker::Marker;
 use super::text::{data_lines, decode};
 use crate::error::Result;
 

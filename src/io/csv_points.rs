@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::markers::Marker;
+use super::marker::Marker;
 use super::table::Table;
 use super::write_beside;
 use crate::error::Result;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::markers::Marker;
+use super::marker::Marker;
 use super::markups::ras_from;
 use super::text::{Place, decode};
 use super::write_beside;

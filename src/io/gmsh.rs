@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::bytes::Bytes;
-use super::tets::tet_mesh;
+use super::tet_cells::tet_mesh;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;

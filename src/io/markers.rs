@@ -5,32 +5,13 @@ use std::path::Path;
 use super::ascii_points::parse_xyz;
 use super::csv_points::{parse_csv_markers, write_csv_markers};
 use super::fcsv::{parse_fcsv, write_fcsv};
+use super::marker::Marker;
 use super::markups::{parse_markups, write_markups};
 use super::picked_points::{parse_picked_points, write_picked_points};
 use super::ply::PlyDocument;
 use super::read_bytes;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
-
-/// A point that somebody marked.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Marker {
-    /// Its name, where the file gives one.
-    pub label: Option<String>,
-    /// Where it is (the module's text says in which frame).
-    pub position: Vec3,
-    /// Relative weight, zero or more.
-    pub weight: Option<f64>,
-    /// Standard deviation of its noise, in the file's length unit.
-    pub sigma: Option<f64>,
-}
-
-impl Marker {
-    /// A marker without a name.
-    pub fn at(position: Vec3) -> Self {
-        Self { position, ..Self::default() }
-    }
-}
 
 /// Reads markers from `.csv`, `.txt`/`.xyz`/`.pts`, `.ply`, `.mrk.json`/`.json`, `.fcsv` or `.pp`.
 /// A file without any marker is an error.

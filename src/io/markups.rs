@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::markers::Marker;
+use super::marker::Marker;
 use super::write_beside;
 use crate::error::{Error, Result};
 use crate::math::Vec3;

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::anchor::{Anchor, AnchorColumns};
-use super::markers::{Marker, read_markers};
+use super::marker::Marker;
+use super::markers::read_markers;
 use super::read_bytes;
 use super::table::Table;
 use crate::error::{Error, Result};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use roxmltree::{Document, ParsingOptions};
 
-use super::markers::Marker;
+use super::marker::Marker;
 use super::markup::escaped;
 use super::text::{Place, decode};
 use super::write_beside;

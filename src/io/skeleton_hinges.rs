@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-use super::skeleton::{
+use super::skeleton_document::{
     BoneEntry, CoordinateEntry, FORMAT, FrameEntry, JointEntry, LimitsEntry, SidesEntry,
     SkeletonDocument, VERSION,
 };

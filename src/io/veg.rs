@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::tets::tet_mesh;
+use super::tet_cells::tet_mesh;
 use super::text::{Place, data_lines, decode};
 use crate::error::{Error, Result};
 use crate::math::Vec3;

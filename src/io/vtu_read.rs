@@ -12,7 +12,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use roxmltree::{Document, Node};
 
 use super::bytes::Bytes;
-use super::tets::tet_mesh;
+use super::tet_cells::tet_mesh;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;

@@ -1,5 +1,6 @@
 //! Who is next to whom: edges, vertex neighbours, tet neighbours.
 
+use super::tet_mesh::tet_faces;
 use std::collections::HashMap;
 
 use super::TetMesh;
@@ -82,7 +83,7 @@ pub fn cells_at_vertices<const N: usize>(vertex_count: usize, cells: &[[u32; N]]
 pub fn tet_neighbours(mesh: &TetMesh) -> Vec<[Option<u32>; 4]> {
     let mut faces: Vec<([u32; 3], u32, u8)> = Vec::with_capacity(4 * mesh.tets.len());
     for (t, tet) in mesh.tets.iter().enumerate() {
-        for (k, face) in super::surface::faces(tet).into_iter().enumerate() {
+        for (k, face) in tet_faces(tet).into_iter().enumerate() {
             let mut key = face;
             key.sort_unstable();
             faces.push((key, t as u32, k as u8));

@@ -11,5 +11,5 @@ mod tri_mesh;
 pub use quality::TetQuality;
 pub use section::plane_section;
 pub use surface::{SurfaceCheck, boundary_triangles};
-pub use tet_mesh::{TetMesh, signed_volume};
+pub use tet_mesh::{TetMesh, signed_volume, tet_faces};
 pub use tri_mesh::{TriMesh, bounding_box, diagonal};

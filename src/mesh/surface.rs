@@ -3,13 +3,9 @@
 use std::collections::HashMap;
 
 use super::adjacency::components;
+use super::tet_mesh::tet_faces;
 use super::{TetMesh, TriMesh};
 use crate::math::Vec3;
-
-/// The faces of a tet, face k opposite to corner k, counter-clockwise seen from outside.
-pub fn faces(&[a, b, c, d]: &[u32; 4]) -> [[u32; 3]; 4] {
-    [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
-}
 
 /// The faces that belong to one tet only, counter-clockwise seen from outside, in the order of
 /// their tets; vertex indices are those of the tet mesh.
@@ -17,7 +13,7 @@ pub fn boundary_triangles(mesh: &TetMesh) -> Vec<[u32; 3]> {
     let neighbours = super::adjacency::tet_neighbours(mesh);
     let of_tet = |t: usize| {
         let across = neighbours[t];
-        let own = faces(&mesh.tets[t]).into_iter().enumerate();
+        let own = tet_faces(&mesh.tets[t]).into_iter().enumerate();
         own.filter(move |(k, _)| across[*k].is_none()).map(|(_, face)| face)
     };
     (0..mesh.tets.len()).flat_map(of_tet).collect()
@@ -151,7 +147,7 @@ mod tests {
 
     fn tet_surface() -> TriMesh {
         let points = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
-        TriMesh::new(points, faces(&[0, 1, 2, 3]).to_vec()).unwrap()
+        TriMesh::new(points, tet_faces(&[0, 1, 2, 3]).to_vec()).unwrap()
     }
 
     #[test]

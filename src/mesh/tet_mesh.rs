@@ -68,6 +68,11 @@ impl TetMesh {
     }
 }
 
+/// The faces of a tet, face k opposite to corner k, counter-clockwise seen from outside.
+pub fn tet_faces(&[a, b, c, d]: &[u32; 4]) -> [[u32; 3]; 4] {
+    [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
+}
+
 /// Signed volume of a tet from its corners.
 pub fn signed_volume([a, b, c, d]: [Vec3; 4]) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0

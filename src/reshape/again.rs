@@ -3,41 +3,14 @@
 //! Numbering, symbolic factor and smoothness are those of the earlier run, and so are its shape and
 //! strain to begin with. A few steps at the full weight of the data are enough.
 
-use std::fmt;
-use std::sync::Arc;
-
-use super::numbering::Numbering;
 use super::options::Options;
 use super::problem::Problem;
-use super::scene::Tissue;
-use super::solver::{Reshaped, Solver, State};
+use super::solver::{Reshaped, Solver};
 use crate::error::{Error, Result};
-use crate::fem::StrainSmoothness;
-use crate::math::{Sym3, Vec3};
-use crate::mesh::TetMesh;
 use crate::run::Run;
 
 /// A step that lowers the objective by less than this share is the last.
 const SETTLED: f64 = 0.15;
-
-/// What a result keeps for the next one.
-pub struct Earlier {
-    pub(super) options: Options,
-    pub(super) rest_surface: Vec<Vec3>,
-    pub(super) rest_tets: TetMesh,
-    pub(super) numbering: Arc<Numbering>,
-    pub(super) body: Arc<Tissue>,
-    pub(super) smoothness: Arc<StrainSmoothness>,
-    pub(super) anchor: Arc<Vec<Sym3>>,
-    pub(super) state: State,
-    pub(super) attachment_gains: Vec<f64>,
-}
-
-impl fmt::Debug for Earlier {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Earlier").field("options", &self.options).finish_non_exhaustive()
-    }
-}
 
 /// Reshapes the template of `earlier` for a problem that differs in its markers, landmarks,
 /// attachments or fixed points. Fails for another template or other options, and as

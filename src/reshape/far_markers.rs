@@ -4,8 +4,9 @@
 use crate::error::Result;
 
 use super::damping::Damping;
+use super::earlier::State;
 use super::evidence::{Belief, Contact, noise};
-use super::solver::{Solver, State};
+use super::solver::Solver;
 use super::summary::Stop;
 
 /// Markers farther off than this many standard deviations are far.

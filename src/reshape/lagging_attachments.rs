@@ -3,8 +3,9 @@
 use crate::error::Result;
 use crate::math::Vec3;
 
+use super::earlier::State;
 use super::evidence::{OUTLIER, noise};
-use super::solver::{Solver, State};
+use super::solver::Solver;
 use super::summary::Stop;
 
 /// An attachment that lags gains this factor in weight, so often at most.

@@ -4,6 +4,7 @@ mod affine_start;
 mod again;
 mod coverage;
 mod damping;
+mod earlier;
 mod evidence;
 mod far_markers;
 mod folds;

@@ -9,8 +9,8 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
-use super::again::Earlier;
 use super::coverage::Coverage;
+use super::earlier::{Earlier, Tissue};
 use super::folds::Folds;
 use super::marker_groups::{MarkerGroup, marker_groups};
 use super::numbering::Numbering;
@@ -37,9 +37,6 @@ const SCREENING: [f64; 2] = [0.1, 0.3];
 /// this strength (in units of Young's modulus), so that none inverts.
 const BARRIER_START: f64 = 0.3;
 const BARRIER_STRENGTH: f64 = 1.0;
-
-/// The body with its material.
-pub type Tissue = Body<InversionBarrier<StableNeoHookean>>;
 
 /// A paired point.
 pub struct Pair {

@@ -8,8 +8,8 @@ use crate::math::{Mat3, Sym3, Vec3};
 use crate::run::Run;
 
 use super::affine_start::affine_start;
-use super::again::Earlier;
 use super::damping::Damping;
+use super::earlier::{Earlier, State};
 use super::evidence::{Belief, Contact, Weights, rows};
 use super::options::Options;
 use super::problem::Problem;
@@ -47,13 +47,6 @@ pub struct Reshaped {
     pub summary: Summary,
     /// For [`super::reshape_again`].
     pub(super) earlier: Arc<Earlier>,
-}
-
-/// A plastic strain and the shape in equilibrium with it.
-#[derive(Clone)]
-pub struct State {
-    pub s: Vec<Sym3>,
-    pub x: Vec<Vec3>,
 }
 
 /// One reshaping under way.

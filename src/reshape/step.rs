@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::damping::Damping;
+use super::earlier::State;
 use super::evidence::{Belief, Contact, Weights, representatives, rows};
 use super::gauss_newton::{Direction, NormalEquations};
 use super::linearization::Linearization;
-use super::solver::{Solver, State};
+use super::solver::Solver;
 use super::trial::Origin;
 use crate::error::Result;
 use crate::fem::Sensitivity;

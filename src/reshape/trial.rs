@@ -6,10 +6,11 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::symmetric3::{eigen, exp, log, to_matrix};
 use crate::math::{Mat3, Sym3, Vec3};
 
+use super::earlier::State;
 use super::evidence::Weights;
 use super::gauss_newton::Direction;
 use super::linearization::Linearization;
-use super::solver::{Solver, State};
+use super::solver::Solver;
 
 /// Largest change of a tet's logarithmic strain in one step.
 const MAX_STRAIN_STEP: f64 = 0.9;

@@ -74,7 +74,7 @@ impl Samples {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::surface::faces;
+    use crate::mesh::tet_faces;
 
     /// Two slabs across a tet, made of flat boxes (here: tets).
     #[test]
@@ -91,7 +91,7 @@ mod tests {
                 points.push(corners[tip] * 0.6 + corners[k] * 0.4);
             }
             let tet = [first, first + 1, first + 2, first + 3];
-            triangles.extend(faces(&tet));
+            triangles.extend(tet_faces(&tet));
         }
         let winding = WindingNumber::new(&points, &triangles);
         let (fraction, pieces) = Samples::new().measure(&winding, &corners);

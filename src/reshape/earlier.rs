@@ -1,0 +1,40 @@
+//! What a result keeps for the next one.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::numbering::Numbering;
+use super::options::Options;
+use crate::fem::{Body, StrainSmoothness};
+use crate::material::{InversionBarrier, StableNeoHookean};
+use crate::math::{Sym3, Vec3};
+use crate::mesh::TetMesh;
+
+/// The body with its material.
+pub type Tissue = Body<InversionBarrier<StableNeoHookean>>;
+
+/// A plastic strain and the shape in equilibrium with it.
+#[derive(Clone)]
+pub struct State {
+    pub s: Vec<Sym3>,
+    pub x: Vec<Vec3>,
+}
+
+/// What does not change as long as template and options stay, and where the run ended.
+pub struct Earlier {
+    pub(super) options: Options,
+    pub(super) rest_surface: Vec<Vec3>,
+    pub(super) rest_tets: TetMesh,
+    pub(super) numbering: Arc<Numbering>,
+    pub(super) body: Arc<Tissue>,
+    pub(super) smoothness: Arc<StrainSmoothness>,
+    pub(super) anchor: Arc<Vec<Sym3>>,
+    pub(super) state: State,
+    pub(super) attachment_gains: Vec<f64>,
+}
+
+impl fmt::Debug for Earlier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Earlier").field("options", &self.options).finish_non_exhaustive()
+    }
+}
