@@ -3,10 +3,12 @@
 use super::bone_scales::put_in_place;
 use super::correspond::Correspondences;
 use super::joint_frames::take_shape;
+use super::pairs::UNSEEN_WEIGHT;
 use super::pose::{rigid_targets, settle_tree};
-use super::registration::{Registration, State, UNSEEN_WEIGHT};
+use super::registration::{Registration, State};
 use super::skeleton::Joint;
-use super::summary::{Found, LevelTrace, Registered};
+use super::summarize::Found;
+use super::summary::{LevelTrace, Registered};
 use super::target::Target;
 
 /// Steps for all joints at once at the end, so that loops close as well.

@@ -14,7 +14,6 @@ use super::pairs::{Pair, Side};
 use super::pose::{BoneMoments, moved};
 use super::rotation::PairSums;
 use super::skeleton::Skeleton;
-use super::target::Target;
 use crate::error::{Error, Result};
 use crate::locate::ClosestPoints;
 use crate::math::Vec3;
@@ -48,18 +47,6 @@ pub(super) struct PlacedLandmark {
     pub(super) weight: f64,
     /// Of its bone.
     area: f64,
-}
-
-impl Target {
-    /// The same with landmarks. A landmark that is not on its bone, or not a number, is an error.
-    pub fn with_landmarks(mut self, skeleton: &Skeleton, landmarks: &[Landmark]) -> Result<Self> {
-        let placed = landmarks.iter().enumerate().map(|(k, landmark)| {
-            PlacedLandmark::new(skeleton, landmark)
-                .map_err(|e| Error::invalid(format!("landmark {k} {e}")))
-        });
-        self.landmarks = placed.collect::<Result<_>>()?;
-        Ok(self)
-    }
 }
 
 impl Landmark {
@@ -174,9 +161,10 @@ mod tests {
     use super::*;
     use crate::register::joint_limits::JointLimits;
     use crate::register::options::Options;
-    use crate::register::registration::register;
+    use crate::register::register;
     use crate::register::rotation::turned_about;
     use crate::register::skeleton::tests::{block, joint_at};
+    use crate::register::target::Target;
     use crate::run::Run;
 
     /// Two blocks with a hinge, and their corners.

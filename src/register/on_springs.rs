@@ -7,11 +7,11 @@
 use nalgebra::SymmetricEigen;
 
 use super::bone_scales::ScaleFreedom;
-use super::pose::{BoneMoments, moved};
+use super::pose::{BoneMoments, moments, moved};
 use super::registration::{Registration, State};
 use super::spring_pose::SpringPose;
 use super::springs::{Posed, Pull};
-use super::update::{goals, moments};
+use super::update::goals;
 use crate::error::Result;
 use crate::math::Vec3;
 

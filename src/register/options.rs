@@ -39,7 +39,7 @@ pub enum Schedule {
     Never,
 }
 
-/// All settings of [`super::registration::register`].
+/// All settings of [`super::register`].
 // Each switch is a step of the method that can be left out on its own.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Debug, PartialEq)]

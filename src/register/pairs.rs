@@ -10,6 +10,10 @@ use crate::locate::{ClosestPoints, SurfacePoint};
 use crate::math::{Vec3, median};
 use crate::mesh::normals::unit_or_zero;
 
+/// Weight of a vertex without a pair against one with a pair of the same area: it holds its place
+/// only where nothing else does.
+pub(super) const UNSEEN_WEIGHT: f64 = 1e-6;
+
 /// How pairs are judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PairRules {

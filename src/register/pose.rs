@@ -54,6 +54,23 @@ impl BoneMoments {
     }
 }
 
+/// Of all bones.
+pub(super) fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> {
+    reference
+        .bones
+        .par_iter()
+        .map(|b| {
+            let range = b.vertices.clone();
+            BoneMoments::new(&reference.points[range.clone()], &masses[range])
+        })
+        .collect()
+}
+
+/// The bone with the largest mass.
+pub(super) fn heaviest(moments: &[BoneMoments]) -> usize {
+    (0..moments.len()).max_by(|&a, &b| moments[a].mass.total_cmp(&moments[b].mass)).unwrap_or(0)
+}
+
 /// Result of [`project_pose`].
 #[derive(Clone, Debug)]
 pub struct ProjectedPose {

@@ -6,7 +6,7 @@
 //! the target does not show ask for nothing, so their joints stay as they are.
 
 use super::joint_limits::Limits;
-use super::levels::Level;
+use super::level::Level;
 use super::pose::{limit_state, rigid_targets};
 use super::registration::{Registration, State};
 use super::skeleton::Joint;

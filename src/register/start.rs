@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use super::attempts::Attempt;
 use super::correspond::Correspond;
 use super::landmarks::{PlacedLandmark, rigid_motion, rms_after};
-use super::levels::Level;
+use super::level::Level;
 use super::pose_starts::{branches, towards_mid_range};
 use super::prealign::rigid_starts;
 use super::registration::{Registration, State};

@@ -1,7 +1,7 @@
 //! One person's bones as seen: a surface of all bones together, or one surface per bone.
 
 use super::image::{Appearance, ImageTarget};
-use super::landmarks::PlacedLandmark;
+use super::landmarks::{Landmark, PlacedLandmark};
 use super::prepared::Prepared;
 use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
@@ -81,6 +81,16 @@ impl Target {
     pub fn image(skeleton: &Skeleton, volume: Volume, appearance: Appearance) -> Result<Self> {
         let image = Some(ImageTarget::new(skeleton, volume, appearance)?);
         Ok(Self { image, ..Self::empty() })
+    }
+
+    /// The same with landmarks. A landmark that is not on its bone, or not a number, is an error.
+    pub fn with_landmarks(mut self, skeleton: &Skeleton, landmarks: &[Landmark]) -> Result<Self> {
+        let placed = landmarks.iter().enumerate().map(|(k, landmark)| {
+            PlacedLandmark::new(skeleton, landmark)
+                .map_err(|e| Error::invalid(format!("landmark {k} {e}")))
+        });
+        self.landmarks = placed.collect::<Result<_>>()?;
+        Ok(self)
     }
 
     fn empty() -> Self {

@@ -4,14 +4,13 @@
 //! [G] sections 3.3 and 3.4. What the target does not show takes part through the bones it hangs on.
 
 use nalgebra::Isometry3;
-use rayon::prelude::*;
 
 use super::bone_scales::{ScaleFreedom, put_in_place};
 use super::correspond::Correspondences;
 use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
-use super::levels::Level;
-use super::pose::{BoneMoments, moved, rigid_targets};
+use super::level::Level;
+use super::pose::{BoneMoments, heaviest, moments, moved, rigid_targets};
 use super::pose_at_once::nearest_pose;
 use super::registration::{Registration, State};
 use super::rotation::PairSums;
@@ -123,28 +122,12 @@ fn let_unseen_follow(
     }
 }
 
-pub(super) fn moments(reference: &Skeleton, masses: &[f64]) -> Vec<BoneMoments> {
-    reference
-        .bones
-        .par_iter()
-        .map(|b| {
-            let range = b.vertices.clone();
-            BoneMoments::new(&reference.points[range.clone()], &masses[range])
-        })
-        .collect()
-}
-
-/// The bone with the largest mass.
-pub(super) fn heaviest(moments: &[BoneMoments]) -> usize {
-    (0..moments.len()).max_by(|&a, &b| moments[a].mass.total_cmp(&moments[b].mass)).unwrap_or(0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::register::joint_limits::JointLimits;
     use crate::register::options::Options;
-    use crate::register::registration::register;
+    use crate::register::register;
     use crate::register::skeleton::tests::{block, joint_at};
     use crate::register::target::Target;
     use crate::run::Run;

@@ -3,7 +3,7 @@
 use super::Finding;
 use super::coverage::Coverage;
 use super::distortion::Distortion;
-use super::judge::Evidence;
+use super::evidence::Evidence;
 use crate::register::summary::JointSummary;
 
 // Limits beyond which a figure makes doubtful, and failed.

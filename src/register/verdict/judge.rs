@@ -2,29 +2,14 @@
 
 use super::coverage::coverage;
 use super::distortion::distortions;
+use super::evidence::Evidence;
 use super::findings::{image_findings, shape_findings, surface_findings};
 use super::{Finding, Judgement, Verdict};
-use crate::math::Vec3;
-use crate::register::correspond::Correspondences;
 use crate::register::skeleton::Skeleton;
-use crate::register::summary::JointSummary;
-use crate::register::target::Target;
 
 /// Beside a bone in doubt this share of the limits is enough: what draws a bone away draws at its
 /// neighbours.
 const BESIDE: f64 = 0.55;
-
-/// What a verdict stands on.
-pub(in crate::register) struct Evidence<'a> {
-    pub(in crate::register) template: &'a Skeleton,
-    pub(in crate::register) areas: &'a [f64],
-    pub(in crate::register) result: &'a Skeleton,
-    /// The shape before its joints were put inside their limits.
-    pub(in crate::register) elastic: &'a [Vec3],
-    pub(in crate::register) target: &'a Target,
-    pub(in crate::register) pairs: &'a Correspondences,
-    pub(in crate::register) joints: &'a [JointSummary],
-}
 
 /// The verdict on each bone, the share of it that the target shows, and the share of the target that
 /// is explained.
@@ -92,6 +77,7 @@ fn spread_doubt(template: &Skeleton, findings: &mut [Vec<Finding>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
     use crate::register::joint_limits::JointLimits;
     use crate::register::skeleton::tests::{block, joint_at};
 

@@ -3,6 +3,7 @@
 
 mod coverage;
 mod distortion;
+mod evidence;
 mod findings;
 mod judge;
 mod whole;
@@ -11,7 +12,8 @@ use std::cmp::Ordering;
 
 use serde::Serialize;
 
-pub(super) use judge::{Evidence, judge_bones};
+pub(super) use evidence::Evidence;
+pub(super) use judge::judge_bones;
 pub(super) use whole::judge_whole;
 
 /// How far a result, or one bone of it, can be trusted.
