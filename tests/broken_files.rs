@@ -64,6 +64,7 @@ fn binary_stl() -> Vec<u8> {
     bytes
 }
 
+#[allow(clippy::too_many_lines)] // A table.
 fn cases() -> Vec<Case> {
     let path = Path::new("a");
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0 \\\n\nvt 0 0\nvn 0 0 1\nf 1/1/1 -2//1 3\n";

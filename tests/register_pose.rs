@@ -259,6 +259,12 @@ fn best_distance(chain: &Skeleton, moments: &[BoneMoments], goals: &[Isometry3<f
         x.fixed_rows_mut::<3>(6 + 6 * k).copy_from(&rotation_vector(&present.rotation));
         x.fixed_rows_mut::<3>(9 + 6 * k).copy_from(&present.translation.vector);
     }
+    distance(moments, &pose(&minimum(residual, x)), goals)
+}
+
+/// Where the sum of squares of the residuals is least, from `x` downhill.
+fn minimum(residual: impl Fn(&DVector<f64>) -> DVector<f64>, mut x: DVector<f64>) -> DVector<f64> {
+    let n = x.len();
     let mut now = residual(&x);
     let mut damping = 1e-3;
     for _ in 0..300 {
@@ -283,5 +289,5 @@ fn best_distance(chain: &Skeleton, moments: &[BoneMoments], goals: &[Isometry3<f
             damping *= 4.0;
         }
     }
-    distance(moments, &pose(&x), goals)
+    x
 }

@@ -100,6 +100,7 @@ fn extent(folder: &Path, bone: &str) -> Vec3 {
     high - low
 }
 
+#[allow(clippy::too_many_lines)] // Each step stands on the one before.
 #[test]
 fn a_model_is_learnt_from_results_makes_shapes_and_registers_a_new_person() {
     let folder = tempfile::tempdir().unwrap();

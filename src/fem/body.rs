@@ -13,6 +13,9 @@ use crate::math::Vec3;
 use crate::mesh::TetMesh;
 use crate::solve::{BlockMatrix, BlockPattern, Factor, Memory, SymbolicFactor};
 
+/// Shifts of an indefinite stiffness, as shares of the mean of its diagonal.
+const SHIFTS: [f64; 2] = [1e-8, 1e3];
+
 /// A point of the body: an affine combination of vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialPoint(pub Vec<(u32, f64)>);
@@ -149,7 +152,7 @@ impl<M: IsotropicDensity> Body<M> {
             self.add_spring(&mut k, spring);
         }
         if let Some(gauge) = self.gauge {
-            let stiffness = self.mean_diagonal(&k);
+            let stiffness = self.pattern.mean_diagonal(&k);
             for dof in gauge {
                 let (v, axis) = ((dof / 3) as u32, dof % 3);
                 k.values[self.pattern.entry(v, v, axis, axis)] += stiffness;
@@ -163,26 +166,8 @@ impl<M: IsotropicDensity> Body<M> {
         if let Ok(factor) = self.symbolic.factor(&self.stiffness(x, plastic, Curvature::True)) {
             return Ok(factor);
         }
-        self.factor_projected(x, plastic)
-    }
-
-    /// Cholesky factor of the projected stiffness, shifted as little as it takes.
-    fn factor_projected(&self, x: &[Vec3], plastic: &[PlasticState]) -> Result<Factor> {
-        let k = self.stiffness(x, plastic, Curvature::Projected);
-        let mut shift = 1e-8 * self.mean_diagonal(&k);
-        loop {
-            let mut shifted = k.clone();
-            for v in 0..self.mesh.points.len() as u32 {
-                for axis in 0..3 {
-                    shifted.values[self.pattern.entry(v, v, axis, axis)] += shift;
-                }
-            }
-            match self.symbolic.factor(&shifted) {
-                Err(error) if shift > 1e3 * self.mean_diagonal(&k) => return Err(error),
-                Err(_) => shift *= 100.0,
-                Ok(factor) => return Ok(factor),
-            }
-        }
+        let projected = self.stiffness(x, plastic, Curvature::Projected);
+        self.symbolic.factor_shifted(&self.pattern, &projected, SHIFTS)
     }
 
     fn add_spring(&self, k: &mut BlockMatrix, spring: &Spring) {
@@ -193,11 +178,6 @@ impl<M: IsotropicDensity> Body<M> {
                 }
             }
         }
-    }
-
-    fn mean_diagonal(&self, k: &BlockMatrix) -> f64 {
-        let n = self.pattern.size();
-        self.pattern.col_ptr[..n].iter().map(|&p| k.values[p]).sum::<f64>() / n as f64
     }
 
     /// Volume of the body at rest.

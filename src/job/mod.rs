@@ -38,12 +38,13 @@ pub use register::skeleton_build;
 pub use register::skeleton_files::{SkeletonFiles, read_skeleton};
 pub use register::spec::RegisterJob;
 pub use register::track::{TrackJob, TrackedFrame, run_track};
+pub use report::stages::Stage;
 pub use reshape::attach::read_attachment_pairs;
 pub use reshape::fill::fill;
 pub use reshape::inputs::{Inputs, read_fixed_vertices, read_landmark_pairs};
 pub use reshape::output::write_deformed_tets;
 pub use reshape::remesh::{Remesh, Shapeliness};
-pub use reshape::report::{Change, Ending, Iteration, PairLine, Report, Shapes, Stage};
+pub use reshape::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
 pub use reshape::run::{JobResult, run_reshape};
 pub use reshape::spec::{Align, Gap, ReshapeJob};
 pub use separate::{

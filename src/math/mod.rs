@@ -1,12 +1,12 @@
-//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check, polylines, median.
+//! Small dense kernels: signed SVD, symmetric 3x3 functions, derivative check, polylines, robust figures.
 
 pub mod derivative_check;
-pub mod median;
 pub mod polyline;
+pub mod robust;
 pub mod svd3;
 pub mod symmetric3;
 
-pub use median::median;
+pub use robust::{median, robust_deviation};
 pub use svd3::{SignedSvd, nearest_rotation, signed_svd};
 pub use symmetric3::Sym3;
 

@@ -50,7 +50,7 @@ pub struct Excess<'a> {
 impl Coverage {
     /// Of markers that lie on parallel axis-aligned slices; `None` for others, of which nobody
     /// knows where the scan ends.
-    pub fn of_slices(markers: &[Vec3], surface: &[(Vec3, MaterialPoint)]) -> Option<Self> {
+    pub fn of_slices(markers: &[Vec3], surface: &[(MaterialPoint, Vec3)]) -> Option<Self> {
         let (axis, planes) = slices(markers)?;
         let nearest = NearestPoints::new(markers);
         let spacing = spacing(markers);
@@ -119,14 +119,14 @@ fn spacing(markers: &[Vec3]) -> f64 {
 }
 
 /// Points spread evenly over the surface: each next one is farthest from those before.
-fn spread(surface: &[(Vec3, MaterialPoint)], count: usize) -> Vec<MaterialPoint> {
+fn spread(surface: &[(MaterialPoint, Vec3)], count: usize) -> Vec<MaterialPoint> {
     let mut distance = vec![f64::INFINITY; surface.len()];
     let mut chosen = Vec::new();
     let mut next = 0;
     while chosen.len() < count.min(surface.len()) {
-        chosen.push(surface[next].1.clone());
-        let from = surface[next].0;
-        for (d, (p, _)) in distance.iter_mut().zip(surface) {
+        chosen.push(surface[next].0.clone());
+        let from = surface[next].1;
+        for (d, (_, p)) in distance.iter_mut().zip(surface) {
             *d = d.min((p - from).norm_squared());
         }
         let far = |&a: &usize, &b: &usize| distance[a].total_cmp(&distance[b]).then(b.cmp(&a));

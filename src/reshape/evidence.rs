@@ -2,7 +2,7 @@
 
 use crate::fem::MaterialPoint;
 use crate::locate::SurfacePoint;
-use crate::math::{Vec3, median};
+use crate::math::{Vec3, robust_deviation};
 use crate::mesh::TriMesh;
 
 use super::rows::Rows;
@@ -18,9 +18,6 @@ const HOLDING: usize = 2;
 
 /// Residuals beyond this many sigmas are taken for outliers.
 pub const OUTLIER: f64 = 3.0;
-
-/// Normal-distributed residuals have this ratio of standard deviation to median size.
-const SIGMA_PER_MEDIAN: f64 = 1.4826;
 
 /// 1 / sigma^2 of every datum, robust factors included.
 #[derive(Clone, Debug, Default)]
@@ -109,7 +106,7 @@ impl Weights {
         let distances = contact.distances();
         let c = belief.scale / scene.marker_sigma.powi(2);
         let limit = if belief.robust {
-            OUTLIER * noise(&distances, scene.marker_sigma)
+            OUTLIER * robust_deviation(&distances, scene.marker_sigma)
         } else {
             f64::INFINITY
         };
@@ -136,11 +133,6 @@ impl Weights {
     }
 }
 
-/// The standard deviation of residuals, never below their tolerance.
-pub fn noise(residuals: &[f64], tolerance: f64) -> f64 {
-    tolerance.max(SIGMA_PER_MEDIAN * median(residuals.iter().copied()).unwrap_or(0.0))
-}
-
 /// Pairs that are taken at their word.
 fn plain_weights(pairs: &[Pair], tolerance: f64) -> Vec<f64> {
     pairs.iter().map(|pair| pair.weight / tolerance.powi(2)).collect()
@@ -152,7 +144,7 @@ fn plain_weights(pairs: &[Pair], tolerance: f64) -> Vec<f64> {
 fn group_weights(pairs: &[Pair], x: &[Vec3], tolerance: f64) -> Vec<f64> {
     let residuals: Vec<f64> =
         pairs.iter().map(|p| (p.point.position(x) - p.target).norm()).collect();
-    let sigma = noise(&residuals, tolerance);
+    let sigma = robust_deviation(&residuals, tolerance);
     pairs
         .iter()
         .zip(&residuals)

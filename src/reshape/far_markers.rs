@@ -2,10 +2,11 @@
 //! the wrong sheet and, as outliers, have too little weight to change that: they get another chance.
 
 use crate::error::Result;
+use crate::math::robust_deviation;
 
 use super::damping::Damping;
 use super::earlier::State;
-use super::evidence::{Belief, Contact, noise};
+use super::evidence::{Belief, Contact};
 use super::solver::Solver;
 use super::summary::Stop;
 
@@ -68,7 +69,7 @@ impl Solver<'_> {
 
     fn has_far_markers(&self, state: &State) -> bool {
         let distances = Contact::new(&self.scene, &state.x).distances();
-        let far = FAR * noise(&distances, self.scene.marker_sigma);
+        let far = FAR * robust_deviation(&distances, self.scene.marker_sigma);
         distances.iter().any(|distance| *distance > far)
     }
 

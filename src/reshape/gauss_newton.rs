@@ -27,7 +27,7 @@ use crate::error::Result;
 use crate::fem::StrainSmoothness;
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
-use crate::solve::{SaddleFactor, SaddleSystem};
+use crate::solve::{Goal, SaddleFactor, SaddleSystem, Unknowns, conjugate_gradients};
 
 /// Steps of conjugate gradients at most; the sum so far is a direction of descent at any time.
 const MAX_STEPS: usize = 40;
@@ -46,7 +46,7 @@ pub struct Direction {
 
 /// Numbers for the unknowns: values, or what the equations say of them.
 #[derive(Clone)]
-struct Unknowns {
+struct Change {
     strain: Vec<Sym3>,
     rigid: Option<Vector6<f64>>,
 }
@@ -169,33 +169,16 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         offset: &[Sym3],
         share: f64,
         reduction: f64,
-    ) -> Unknowns {
+    ) -> Change {
         let residuals = self.rows.residuals();
-        let mut r = self.adjoint(&residuals).minus_of(&self.smoothness.apply(offset));
-        let mut z = self.precondition(saddle, few, &r, share);
-        let mut p = z.clone();
-        let mut sum = z.clone().times(0.0);
-        let mut rz = r.dot(&z);
-        let goal = reduction * reduction * rz;
-        for _ in 0..MAX_STEPS {
-            let ap = self.multiply(&p, share);
-            let alpha = rz / p.dot(&ap);
-            sum.add(alpha, &p);
-            r.add(-alpha, &ap);
-            z = self.precondition(saddle, few, &r, share);
-            let next = r.dot(&z);
-            if next.is_nan() || next <= goal {
-                break;
-            }
-            p = p.times(next / rz);
-            p.add(1.0, &z);
-            rz = next;
-        }
-        sum
+        let force = self.adjoint(&residuals).minus_of(&self.smoothness.apply(offset));
+        let precondition = |r: &Change| self.precondition(saddle, few, r, share);
+        let goal = Goal { reduction, max_steps: MAX_STEPS };
+        conjugate_gradients(|p| self.multiply(p, share), precondition, force, goal).x
     }
 
     /// The matrix of the normal equations times `p`.
-    fn multiply(&self, p: &Unknowns, share: f64) -> Unknowns {
+    fn multiply(&self, p: &Change, share: f64) -> Change {
         let change = self.measured(&self.at.shape_change(&p.strain), p.rigid.as_ref());
         let mut product = self.adjoint(&change);
         for (product, prior) in product.strain.iter_mut().zip(self.smoothness.apply(&p.strain)) {
@@ -216,16 +199,16 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     }
 
     /// [Z, P]^T a, of all rows.
-    fn adjoint(&self, a: &[f64]) -> Unknowns {
+    fn adjoint(&self, a: &[f64]) -> Change {
         let rigid = self.at.body.is_free().then(|| {
             let columns = self.at.rigid_columns(self.rows);
             Vector6::from_fn(|k, _| columns[k].iter().zip(a).map(|(c, a)| c * a).sum())
         });
-        Unknowns { strain: self.at.transpose_multiply(self.rows, a), rigid }
+        Change { strain: self.at.transpose_multiply(self.rows, a), rigid }
     }
 
     /// What a force says of the constant strains that R leaves free and of the rigid motion.
-    fn free_part(&self, force: &Unknowns) -> Vec<f64> {
+    fn free_part(&self, force: &Change) -> Vec<f64> {
         let mut h: Vec<f64> = Vec::new();
         if self.smoothness.is_singular() {
             h.extend(force.strain.iter().sum::<Sym3>().iter());
@@ -240,9 +223,9 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         &self,
         saddle: &SaddleFactor,
         few: &Rows,
-        force: &Unknowns,
+        force: &Change,
         share: f64,
-    ) -> Unknowns {
+    ) -> Change {
         let h = self.free_part(force);
         let mut u = self.smoothness.solve(&force.strain);
         for u in &mut u {
@@ -253,7 +236,7 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         u.iter_mut().zip(back).for_each(|(u, back)| *u -= back * share);
         let y: Vec<f64> = y.iter().map(|y| -y).collect();
         let rigid = self.add_free(&mut u, &y);
-        Unknowns { strain: u, rigid }
+        Change { strain: u, rigid }
     }
 
     /// Adds the constant strains among the free unknowns to `u`; the others are the rigid motion.
@@ -296,21 +279,12 @@ impl Corrections {
     }
 }
 
-impl Unknowns {
+impl Unknowns for Change {
     fn dot(&self, other: &Self) -> f64 {
         let rigid = self.rigid.iter().zip(&other.rigid).map(|(a, b)| a.dot(b));
         self.strain.iter().zip(&other.strain).map(|(a, b)| a.dot(b)).chain(rigid).sum()
     }
 
-    fn times(mut self, factor: f64) -> Self {
-        for s in &mut self.strain {
-            *s *= factor;
-        }
-        self.rigid = self.rigid.map(|rigid| rigid * factor);
-        self
-    }
-
-    /// self += factor other
     fn add(&mut self, factor: f64, other: &Self) {
         self.strain.iter_mut().zip(&other.strain).for_each(|(a, b)| *a += b * factor);
         if let (Some(a), Some(b)) = (&mut self.rigid, &other.rigid) {
@@ -318,9 +292,21 @@ impl Unknowns {
         }
     }
 
+    fn scale(&mut self, factor: f64) {
+        for s in &mut self.strain {
+            *s *= factor;
+        }
+        if let Some(rigid) = &mut self.rigid {
+            *rigid *= factor;
+        }
+    }
+}
+
+impl Change {
     /// -(self + prior)
     fn minus_of(mut self, prior: &[Sym3]) -> Self {
         self.strain.iter_mut().zip(prior).for_each(|(a, b)| *a += b);
-        self.times(-1.0)
+        self.scale(-1.0);
+        self
     }
 }

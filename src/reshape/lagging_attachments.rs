@@ -1,10 +1,10 @@
 //! Attachments that are still farther off than allowed when the run has settled.
 
 use crate::error::Result;
-use crate::math::Vec3;
+use crate::math::{Vec3, robust_deviation};
 
 use super::earlier::State;
-use super::evidence::{OUTLIER, noise};
+use super::evidence::OUTLIER;
 use super::solver::Solver;
 use super::summary::Stop;
 
@@ -43,7 +43,7 @@ impl Solver<'_> {
         let attachments = &self.scene.attachments;
         let distances: Vec<f64> =
             attachments.iter().map(|a| (a.point.position(x) - a.target).norm()).collect();
-        if noise(&distances, tolerance) > tolerance {
+        if robust_deviation(&distances, tolerance) > tolerance {
             return false;
         }
         let lags = |distance: f64| distance > tolerance && distance <= OUTLIER * tolerance;

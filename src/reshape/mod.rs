@@ -30,7 +30,7 @@ pub use again::reshape_again;
 pub use gauss_newton::{Direction, NormalEquations};
 pub use inspect::{Data, inspect_data};
 pub use linearization::Linearization;
-pub use options::Options;
+pub use options::{Options, Tolerances};
 pub use pairs::{Pair, attach_to_bone, keep_gaps};
 pub use problem::{Landmark, Marker, Problem, TemplatePoint};
 pub use refine::{Refinement, find_borders};

@@ -1,6 +1,12 @@
 //! Everything that can be tuned, with its meaning and default.
 
 use crate::error::{Error, Result};
+use crate::mesh::TriMesh;
+
+/// The template's diagonal in tolerances.
+const DIAGONAL_TOLERANCES: f64 = 1000.0;
+/// A landmark is clicked less exactly than a marker: this many tolerances.
+const LANDMARK_TOLERANCE: f64 = 5.0;
 
 /// Options of a reshaping. Lengths are in the template's unit; `None` takes a default relative to
 /// the template's size, so that millimetres, metres and Blender units give the same shape.
@@ -51,7 +57,28 @@ impl Default for Options {
     }
 }
 
+/// How far data of each kind may be off, in the template's unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Tolerances {
+    /// Markers.
+    pub marker: f64,
+    /// Landmarks that can be trusted.
+    pub landmark: f64,
+    /// Attachments where most of them agree with the markers.
+    pub attachment: f64,
+}
+
 impl Options {
+    /// The tolerances with their defaults, which follow from the size of the template.
+    pub fn tolerances(&self, template: &TriMesh) -> Tolerances {
+        let marker = self.tolerance.unwrap_or(template.diagonal() / DIAGONAL_TOLERANCES);
+        Tolerances {
+            marker,
+            landmark: self.landmark_tolerance.unwrap_or(LANDMARK_TOLERANCE * marker),
+            attachment: self.attachment_tolerance.unwrap_or(marker),
+        }
+    }
+
     /// Checks ranges.
     pub fn check(&self) -> Result<()> {
         for (name, value) in [

@@ -24,9 +24,6 @@ const FIRM: f64 = 100.0;
 /// along, too little to dent it.
 const SOFT_TOTAL: f64 = 2.0;
 
-/// A landmark is clicked less exactly than a marker: this many tolerances.
-const LANDMARK_TOLERANCE: f64 = 5.0;
-
 /// A surface point has been seen when a datum lies within this distance, in units of l.
 const SEEN_WITHIN: f64 = 0.25;
 
@@ -84,119 +81,115 @@ pub struct Scene {
     pub attachment_sigma: f64,
 }
 
+/// Where the solver's unit and origin are in the template's frame.
+#[derive(Clone, Copy)]
+struct Units {
+    length: f64,
+    center: Vec3,
+}
+
+impl Units {
+    /// The body inside the surface has the volume 1.
+    fn of(problem: &Problem) -> Self {
+        let volume = |(t, fraction): (usize, &f64)| fraction * problem.tets.volume(t);
+        let volume: f64 = problem.inside_fraction.iter().enumerate().map(volume).sum();
+        let points = &problem.surface.points;
+        let center = points.iter().sum::<Vec3>() / points.len() as f64;
+        Self { length: volume.cbrt(), center }
+    }
+
+    fn inward(&self, p: &Vec3) -> Vec3 {
+        (p - self.center) / self.length
+    }
+}
+
+/// The template's points in its renumbered tets.
+struct Places<'a> {
+    units: Units,
+    template: &'a [Vec3],
+    tets: &'a TetMesh,
+    /// Of the surface's vertices.
+    embedding: &'a Embedding,
+}
+
+impl Places<'_> {
+    fn pairs(&self, list: &[Landmark]) -> Result<Vec<Pair>> {
+        let positions: Vec<Vec3> = list
+            .iter()
+            .map(|l| match l.template {
+                TemplatePoint::Vertex(v) => self.template[v as usize],
+                TemplatePoint::Position(p) => p,
+            })
+            .collect();
+        let anywhere = list.iter().any(|l| matches!(l.template, TemplatePoint::Position(_)));
+        let embedding =
+            if anywhere { Embedding::new(self.tets, &positions)? } else { Embedding::default() };
+        let pair = |(i, l): (usize, &Landmark)| {
+            let point = match l.template {
+                TemplatePoint::Vertex(v) => embedded(self.embedding, v as usize),
+                TemplatePoint::Position(_) => embedded(&embedding, i),
+            };
+            Pair { point, target: self.units.inward(&l.target), weight: l.weight }
+        };
+        Ok(list.iter().enumerate().map(pair).collect())
+    }
+
+    /// A vertex that stays.
+    fn fixed(&self, vertex: u32) -> Pair {
+        let (point, target) = self.vertex(vertex as usize);
+        Pair { point, target, weight: 1.0 }
+    }
+
+    /// A surface vertex and where it is at rest.
+    fn vertex(&self, v: usize) -> (MaterialPoint, Vec3) {
+        (embedded(self.embedding, v), self.units.inward(&self.template[v]))
+    }
+}
+
 impl Scene {
     /// Scales and embeds a checked problem. What does not change from an earlier problem with the same
     /// template and options is taken from there.
     pub fn new(problem: &Problem, options: &Options, earlier: Option<&Earlier>) -> Result<Self> {
-        let volume: f64 = problem
-            .inside_fraction
-            .iter()
-            .enumerate()
-            .map(|(t, fraction)| fraction * problem.tets.volume(t))
-            .sum();
-        let length = volume.cbrt();
-        let points = &problem.surface.points;
-        let center = points.iter().sum::<Vec3>() / points.len() as f64;
-        let inward = |p: &Vec3| (p - center) / length;
+        let units = Units::of(problem);
+        let Units { length, center } = units;
         let numbering =
             earlier.map_or_else(|| Numbering::new(&problem.tets).into(), |e| e.numbering.clone());
-        let template_tets = numbering.renumbered(&problem.tets);
-        let surface_embedding = numbering.renumbered_embedding(&problem.embedding);
-        let pairs = |list: &[Landmark]| -> Result<Vec<Pair>> {
-            let positions: Vec<Vec3> = list
-                .iter()
-                .map(|l| match l.template {
-                    TemplatePoint::Vertex(v) => points[v as usize],
-                    TemplatePoint::Position(p) => p,
-                })
-                .collect();
-            let anywhere = list.iter().any(|l| matches!(l.template, TemplatePoint::Position(_)));
-            let embedding = if anywhere {
-                Embedding::new(&template_tets, &positions)?
-            } else {
-                Embedding::default()
-            };
-            let pair = |(i, l): (usize, &Landmark)| {
-                let point = match l.template {
-                    TemplatePoint::Vertex(v) => embedded(&surface_embedding, v as usize),
-                    TemplatePoint::Position(_) => embedded(&embedding, i),
-                };
-                Pair { point, target: inward(&l.target), weight: l.weight }
-            };
-            Ok(list.iter().enumerate().map(pair).collect())
-        };
-        let (landmarks, attachments) = (pairs(&problem.landmarks)?, pairs(&problem.attachments)?);
-        let fixed: Vec<Pair> = problem
-            .fixed
-            .iter()
-            .map(|&v| Pair {
-                point: embedded(&surface_embedding, v as usize),
-                target: inward(&points[v as usize]),
-                weight: 1.0,
-            })
-            .collect();
-        let soft = if options.hard_attachments {
-            FIRM
-        } else {
-            SOFT_TOTAL / attachments.len().max(1) as f64
-        };
-        let springs: Vec<Spring> = attachments
-            .iter()
-            .map(|pair| spring(pair, soft))
-            .chain(fixed.iter().map(|pair| spring(pair, FIRM)))
-            .collect();
-        let tolerance = options.tolerance.unwrap_or(problem.surface.diagonal() / 1000.0) / length;
+        let tets = numbering.renumbered(&problem.tets);
+        let embedding = numbering.renumbered_embedding(&problem.embedding);
+        let template = &problem.surface.points;
+        let places = Places { units, template, tets: &tets, embedding: &embedding };
+        let landmarks = places.pairs(&problem.landmarks)?;
+        let attachments = places.pairs(&problem.attachments)?;
+        let fixed = problem.fixed.iter().map(|&v| places.fixed(v));
+        let springs = springs(&attachments, fixed, options);
+        let surface: Vec<(MaterialPoint, Vec3)> =
+            (0..template.len()).map(|v| places.vertex(v)).collect();
+        let at_rest: Vec<Vec3> = surface.iter().map(|vertex| vertex.1).collect();
         let markers: Vec<(Vec3, f64)> =
-            problem.markers.iter().map(|m| (inward(&m.position), m.weight)).collect();
+            problem.markers.iter().map(|m| (units.inward(&m.position), m.weight)).collect();
         let positions: Vec<Vec3> = markers.iter().map(|m| m.0).collect();
-        let coverage = if options.reverse_term {
-            let surface: Vec<(Vec3, MaterialPoint)> = points
-                .iter()
-                .enumerate()
-                .map(|(v, p)| (inward(p), embedded(&surface_embedding, v)))
-                .collect();
-            Coverage::of_slices(&positions, &surface)
-        } else {
-            None
-        };
-        let body = match earlier.filter(|e| e.body.springs == springs) {
-            Some(earlier) => earlier.body.clone(),
-            None => Arc::new(Body::new(
-                TetMesh {
-                    points: template_tets.points.iter().map(inward).collect(),
-                    tets: template_tets.tets,
-                },
-                InversionBarrier::new(
-                    StableNeoHookean::new(1.0, options.poisson),
-                    BARRIER_START,
-                    BARRIER_STRENGTH,
-                ),
-                springs,
-            )?),
-        };
+        let tolerances = options.tolerances(&problem.surface);
+        let triangles = problem.surface.triangles.clone();
         Ok(Self {
+            body: body(&tets, units, springs, options, earlier)?,
+            coverage: options
+                .reverse_term
+                .then(|| Coverage::of_slices(&positions, &surface))
+                .flatten(),
+            folds: (!options.paper).then(|| Folds::new(template, &triangles, tolerances.marker)),
+            surface_tree: ClosestPoints::new(&at_rest, &triangles),
+            marker_groups: marker_groups(&positions),
+            marker_sigma: tolerances.marker / length,
+            landmark_sigma: tolerances.landmark / length,
+            attachment_sigma: tolerances.attachment / length,
             length,
             center,
-            body,
             numbering,
-            embedding: surface_embedding,
-            surface_tree: ClosestPoints::new(
-                &points.iter().map(inward).collect::<Vec<_>>(),
-                &problem.surface.triangles,
-            ),
-            triangles: problem.surface.triangles.clone(),
-            marker_groups: marker_groups(&positions),
+            embedding,
+            triangles,
             markers,
-            coverage,
-            folds: (!options.paper)
-                .then(|| Folds::new(points, &problem.surface.triangles, tolerance * length)),
             landmarks,
             attachments,
-            marker_sigma: tolerance,
-            landmark_sigma: options
-                .landmark_tolerance
-                .map_or(LANDMARK_TOLERANCE * tolerance, |t| t / length),
-            attachment_sigma: options.attachment_tolerance.map_or(tolerance, |t| t / length),
         })
     }
 
@@ -247,6 +240,39 @@ fn embedded(embedding: &Embedding, i: usize) -> MaterialPoint {
     MaterialPoint(entries.filter(|(_, w)| *w != 0.0).collect())
 }
 
-fn spring(pair: &Pair, stiffness: f64) -> Spring {
-    Spring { point: pair.point.clone(), target: pair.target, stiffness: stiffness * pair.weight }
+/// The springs of the attachments, then of what is fixed.
+fn springs(
+    attachments: &[Pair],
+    fixed: impl Iterator<Item = Pair>,
+    options: &Options,
+) -> Vec<Spring> {
+    let soft =
+        if options.hard_attachments { FIRM } else { SOFT_TOTAL / attachments.len().max(1) as f64 };
+    let spring = |pair: &Pair, stiffness: f64| Spring {
+        point: pair.point.clone(),
+        target: pair.target,
+        stiffness: stiffness * pair.weight,
+    };
+    let attached = attachments.iter().map(|pair| spring(pair, soft));
+    attached.chain(fixed.map(|pair| spring(&pair, FIRM))).collect()
+}
+
+/// The elastic body; an earlier one with the same springs serves again.
+fn body(
+    tets: &TetMesh,
+    units: Units,
+    springs: Vec<Spring>,
+    options: &Options,
+    earlier: Option<&Earlier>,
+) -> Result<Arc<Tissue>> {
+    if let Some(earlier) = earlier.filter(|e| e.body.springs == springs) {
+        return Ok(earlier.body.clone());
+    }
+    let points = tets.points.iter().map(|p| units.inward(p)).collect();
+    let material = InversionBarrier::new(
+        StableNeoHookean::new(1.0, options.poisson),
+        BARRIER_START,
+        BARRIER_STRENGTH,
+    );
+    Ok(Arc::new(Body::new(TetMesh { points, tets: tets.tets.clone() }, material, springs)?))
 }

@@ -5,6 +5,8 @@
 //!   + springs that hold surface points where markers were met
 //!   + a weak pull of every free vertex back to its place, which fades within half a body's size.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::contacts::Contact;
@@ -15,6 +17,9 @@ use crate::math::{Sym3, Vec3};
 use crate::solve::{BlockMatrix, BlockPattern, Factor, SymbolicFactor};
 
 const HELD: u32 = u32::MAX;
+
+/// Shifts where the Hessian is not definite, as shares of the mean of its diagonal.
+const SHIFTS: [f64; 2] = [1e-9, 1.0];
 
 /// Elasticity around the overlaps; vertices of all bodies are numbered through.
 pub(super) struct Elasticity<'a, M> {
@@ -140,7 +145,7 @@ impl<M: IsotropicDensity> Energy<'_, M> {
     }
 
     /// The pattern of the second derivative, analysed.
-    pub fn pattern(&self) -> Result<(BlockPattern, std::sync::Arc<SymbolicFactor>)> {
+    pub fn pattern(&self) -> Result<(BlockPattern, Arc<SymbolicFactor>)> {
         let e = self.elasticity;
         let mut links = Vec::new();
         let mut link = |vertices: &mut dyn Iterator<Item = u32>| {
@@ -161,12 +166,18 @@ impl<M: IsotropicDensity> Energy<'_, M> {
         Ok((pattern, symbolic))
     }
 
-    /// Cholesky factor of the second derivative, each tet's part made positive semidefinite.
+    /// Cholesky factor of the second derivative, each tet's part made positive semidefinite. Squeezed tets
+    /// are so much stiffer than the pull back that rounding may win; then it is shifted.
     pub fn factor(
         &self,
-        (pattern, symbolic): &(BlockPattern, std::sync::Arc<SymbolicFactor>),
+        (pattern, symbolic): &(BlockPattern, Arc<SymbolicFactor>),
         x: &[Vec3],
     ) -> Result<Factor> {
+        let h = self.hessian(pattern, x);
+        symbolic.factor(&h).or_else(|_| symbolic.factor_shifted(pattern, &h, SHIFTS))
+    }
+
+    fn hessian(&self, pattern: &BlockPattern, x: &[Vec3]) -> BlockMatrix {
         let e = self.elasticity;
         let parts: Vec<_> = (0..e.tets.len())
             .into_par_iter()
@@ -216,25 +227,7 @@ impl<M: IsotropicDensity> Energy<'_, M> {
         for &v in &e.free {
             add(v, v, &diagonal(e.pull[v as usize]));
         }
-        let mean = pattern.col_ptr[..pattern.size()].iter().map(|&p| h.values[p]).sum::<f64>()
-            / pattern.size() as f64;
-        // Squeezed tets are so much stiffer than the pull back that rounding may win.
-        let mut shift = 0.0;
-        loop {
-            match symbolic.factor(&h) {
-                Err(error) if shift > mean => return Err(error),
-                Err(_) => {
-                    let more = (100.0 * shift).max(1e-9 * mean);
-                    for (v, axis) in
-                        (0..e.free.len() as u32).flat_map(|v| (0..3).map(move |a| (v, a)))
-                    {
-                        h.values[pattern.entry(v, v, axis, axis)] += more - shift;
-                    }
-                    shift = more;
-                }
-                factor => return factor,
-            }
-        }
+        h
     }
 
     /// `x` with each free vertex moved by `eta` times its step.

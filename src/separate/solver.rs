@@ -18,6 +18,7 @@ use crate::math::{Vec3, median};
 use crate::mesh::TriMesh;
 use crate::mesh::adjacency::{Lists, edges, vertex_neighbours};
 use crate::run::Run;
+use crate::solve::backtrack;
 
 type Tissue = InversionBarrier<StableNeoHookean>;
 
@@ -47,10 +48,6 @@ const LITTLE_HELP: f64 = 0.8;
 
 /// Newton steps per round.
 const NEWTON_STEPS: usize = 12;
-/// Halvings of a step before it is given up.
-const MAX_HALVINGS: usize = 25;
-/// Fraction of the predicted decrease that a step must achieve.
-const ARMIJO: f64 = 1e-4;
 /// A round ends when no vertex moves farther than this share of the gap.
 const SMALL_STEP: f64 = 0.02;
 
@@ -299,19 +296,14 @@ impl<'a> Solver<'a> {
             let gradient = energy.gradient(&x);
             let step = solve_vectors(&energy.factor(&pattern, &x)?, &gradient);
             let slope: f64 = -step.iter().zip(&gradient).map(|(s, g)| s.dot(g)).sum::<f64>();
-            let mut eta = 1.0;
-            let accepted = (0..MAX_HALVINGS).find_map(|_| {
-                let trial = energy.stepped(&x, &step, eta);
-                let trial_value = energy.value(&trial);
-                if trial_value <= value + ARMIJO * eta * slope {
-                    return Some((trial, trial_value));
-                }
-                eta *= 0.5;
-                None
+            let lower = backtrack(value, slope, |share| {
+                let trial = energy.stepped(&x, &step, share);
+                let value = energy.value(&trial);
+                (trial, value)
             });
-            let Some(lower) = accepted else { break };
-            (x, value) = lower;
-            let farthest = step.iter().map(Vec3::norm).fold(0.0, f64::max) * eta;
+            let Some(lower) = lower else { break };
+            (x, value) = (lower.x, lower.value);
+            let farthest = step.iter().map(Vec3::norm).fold(0.0, f64::max) * lower.share;
             if farthest < SMALL_STEP * self.gap || self.run.is_cancelled() {
                 break;
             }

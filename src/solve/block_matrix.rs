@@ -161,6 +161,19 @@ impl BlockPattern {
         parts
     }
 
+    /// Mean of the diagonal.
+    pub fn mean_diagonal(&self, matrix: &BlockMatrix) -> f64 {
+        let n = self.size();
+        self.col_ptr[..n].iter().map(|&p| matrix.values[p]).sum::<f64>() / n as f64
+    }
+
+    /// Adds a number to the whole diagonal.
+    pub fn shift_diagonal(&self, matrix: &mut BlockMatrix, shift: f64) {
+        for &p in &self.col_ptr[..self.size()] {
+            matrix.values[p] += shift;
+        }
+    }
+
     /// y = A x.
     pub fn multiply(&self, matrix: &BlockMatrix, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; self.size()];

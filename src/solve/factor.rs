@@ -123,6 +123,27 @@ impl SymbolicFactor {
         }
     }
 
+    /// Factors `matrix` with its diagonal shifted as little as it takes, in steps of a hundred; `least`
+    /// and `most`: the first shift and about the last one, as shares of the mean of the diagonal.
+    pub fn factor_shifted(
+        self: &Arc<Self>,
+        pattern: &BlockPattern,
+        matrix: &BlockMatrix,
+        [least, most]: [f64; 2],
+    ) -> Result<Factor> {
+        let mean = pattern.mean_diagonal(matrix);
+        let mut shift = least * mean;
+        loop {
+            let mut shifted = matrix.clone();
+            pattern.shift_diagonal(&mut shifted, shift);
+            match self.factor(&shifted) {
+                Err(error) if shift > most * mean => return Err(error),
+                Err(_) => shift *= 100.0,
+                Ok(factor) => return Ok(factor),
+            }
+        }
+    }
+
     fn lower<'a, T: Real>(&'a self, values: &'a [T]) -> Lower<'a, T> {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
             unreachable!("the threshold forces supernodes");

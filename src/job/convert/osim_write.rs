@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::osim_read::read_osim_skeleton;
 use crate::error::{Error, Result};
-use crate::io::osim::parse_osim;
+use crate::io::osim::{OsimJoint, OsimModel, parse_osim};
 use crate::io::osim_edit::{OsimChanges, edit_osim};
 use crate::io::skeleton::SkeletonDocument;
 use crate::io::{file_name, read_bytes, write_beside, write_surface};
@@ -49,77 +49,98 @@ pub fn write_osim(
     let template = build_skeleton(&own_document, meshes)?;
     let person = in_metres(person, metres_per_unit(document.units.as_deref()));
     check_same(&template, &person, original)?;
-    let areas = vertex_areas(&template.points, &template.triangles);
+    let mut changes = Changes::new(&model, template, person);
+    notes.extend(changes.hold_on_bodies_without_mesh(&model.joints));
+    let edited = edit_osim(&text, original, &changes)?;
+    changes.write_meshes(&to.parent().unwrap_or(Path::new("")).join("Geometry"))?;
+    write_beside(to, |out| out.write_all(edited.as_bytes()))?;
+    notes.push("masses and inertias are those of the template".into());
+    Ok(notes)
+}
 
-    let motions = rigid_targets(&template, &template.points, &person.points, &areas);
+impl Changes {
+    fn new(model: &OsimModel, template: Skeleton, person: Skeleton) -> Self {
+        let areas = vertex_areas(&template.points, &template.triangles);
+        let bodies = moved_bodies(model, &template, &person, &areas);
+        let (mut frames, mut angles) = (HashMap::new(), HashMap::new());
+        let still = Isometry3::identity();
+        for joint in &person.joints {
+            let Some(old) = model.joints.iter().find(|j| j.name == joint.name) else { continue };
+            let present = joint_angles(joint, &joint.transform(&still, &still).rotation);
+            let turn = joint_rotation(joint, &present);
+            let world = |body: &str| bodies.get(body).map_or(still, |b| b.1[1]);
+            let parent_frame = joint.child_frame * turn.inverse();
+            let own = [
+                world(&old.parent).inv_mul(&parent_frame),
+                world(&old.child).inv_mul(&joint.child_frame),
+            ];
+            frames.insert(joint.name.clone(), own);
+            angles.extend(joint.coordinates.iter().map(|c| c.name.clone()).zip(present));
+        }
+        Self { template, person, areas, bodies, frames, angles }
+    }
+
+    /// Joints to bodies without a mesh, such as the ground, hold the body where the person lies. Returns a
+    /// sentence on each.
+    fn hold_on_bodies_without_mesh(&mut self, joints: &[OsimJoint]) -> Vec<String> {
+        let mut notes = Vec::new();
+        for old in joints {
+            if self.frames.contains_key(&old.name) {
+                continue;
+            }
+            if let (Some((_, [before, after])), false) =
+                (self.bodies.get(&old.child), self.bodies.contains_key(&old.parent))
+            {
+                let moved = after * before.inverse();
+                notes.push(format!(
+                    "joint {}: its frame on {} is moved with the bone",
+                    old.name, old.parent
+                ));
+                let parent_frame = moved * old.body_from_parent_frame;
+                self.frames.insert(old.name.clone(), [parent_frame, old.body_from_child_frame]);
+            }
+        }
+        notes
+    }
+
+    fn write_meshes(&self, folder: &Path) -> Result<()> {
+        for (b, bone) in self.person.bones.iter().enumerate() {
+            let (_, [_, world]) = self.bodies[&bone.name];
+            let mut mesh = self.person.bone_surface(b, &self.person.points);
+            for p in &mut mesh.points {
+                *p = world.inverse_transform_point(&Point3::from(*p)).coords;
+            }
+            write_surface(&folder.join(mesh_name(&bone.name)), &mesh)?;
+        }
+        Ok(())
+    }
+}
+
+/// Each body's number and its places, template and person. The person's follows from the first joint that
+/// has the body as its child, else from the bone.
+fn moved_bodies(
+    model: &OsimModel,
+    template: &Skeleton,
+    person: &Skeleton,
+    areas: &[f64],
+) -> HashMap<String, (usize, [Isometry3<f64>; 2])> {
+    let motions = rigid_targets(template, &template.points, &person.points, areas);
     let mut bodies = HashMap::new();
     for (b, bone) in template.bones.iter().enumerate() {
         let before = model.world_from_body[b];
         let after = motions[b].unwrap_or_else(Isometry3::identity) * before;
         bodies.insert(bone.name.clone(), (b, [before, after]));
     }
-    let mut frames = HashMap::new();
-    let mut angles = HashMap::new();
-    let still = Isometry3::identity();
-    let own = |name: &str| model.joints.iter().find(|j| j.name == *name);
-    // A body's place follows from the first joint that has it as its child.
     let mut placed = vec![false; template.bones.len()];
     for joint in &person.joints {
-        if let Some(old) = own(&joint.name)
+        if let Some(old) = model.joints.iter().find(|j| j.name == joint.name)
             && !std::mem::replace(&mut placed[joint.child], true)
+            && let Some(body) = bodies.get_mut(&old.child)
         {
-            let world = joint.child_frame * old.body_from_child_frame.inverse();
-            if let Some(body) = bodies.get_mut(&old.child) {
-                body.1[1] = world;
-            }
+            body.1[1] = joint.child_frame * old.body_from_child_frame.inverse();
         }
     }
-    for joint in &person.joints {
-        let Some(old) = own(&joint.name) else { continue };
-        let present = joint_angles(joint, &joint.transform(&still, &still).rotation);
-        let turn = joint_rotation(joint, &present);
-        let world = |body: &str| bodies.get(body).map_or(still, |b| b.1[1]);
-        let parent_frame = joint.child_frame * turn.inverse();
-        frames.insert(
-            joint.name.clone(),
-            [
-                world(&old.parent).inv_mul(&parent_frame),
-                world(&old.child).inv_mul(&joint.child_frame),
-            ],
-        );
-        angles.extend(joint.coordinates.iter().map(|c| c.name.clone()).zip(present));
-    }
-    // Joints to bodies without a mesh, such as the ground, hold the body where the person lies.
-    for old in &model.joints {
-        if frames.contains_key(&old.name) {
-            continue;
-        }
-        if let (Some((_, [before, after])), false) =
-            (bodies.get(&old.child), bodies.contains_key(&old.parent))
-        {
-            let moved = after * before.inverse();
-            notes.push(format!(
-                "joint {}: its frame on {} is moved with the bone",
-                old.name, old.parent
-            ));
-            let parent_frame = moved * old.body_from_parent_frame;
-            frames.insert(old.name.clone(), [parent_frame, old.body_from_child_frame]);
-        }
-    }
-    let changes = Changes { template, person, areas, bodies, frames, angles };
-    let edited = edit_osim(&text, original, &changes)?;
-    let folder = to.parent().unwrap_or(Path::new("")).join("Geometry");
-    for (b, bone) in changes.person.bones.iter().enumerate() {
-        let (_, [_, world]) = changes.bodies[&bone.name];
-        let mut mesh = changes.person.bone_surface(b, &changes.person.points);
-        for p in &mut mesh.points {
-            *p = world.inverse_transform_point(&Point3::from(*p)).coords;
-        }
-        write_surface(&folder.join(mesh_name(&bone.name)), &mesh)?;
-    }
-    write_beside(to, |out| out.write_all(edited.as_bytes()))?;
-    notes.push("masses and inertias are those of the template".into());
-    Ok(notes)
+    bodies
 }
 
 fn mesh_name(body: &str) -> String {

@@ -9,12 +9,13 @@ use super::anatomy_spec::{AnatomyJob, Object};
 use super::case::{Case, CaseRecord, Status, earlier, run_case, run_cases};
 use super::provenance::hash_files;
 use crate::error::{Error, Result};
-use crate::io::{check_writable, read_tets, write_beside};
+use crate::io::{check_writable, read_tets};
 use crate::io::{file_name, stem};
 use crate::job::register::run::run_register;
 use crate::job::register::skeleton_files::read_skeleton;
 use crate::job::register::spec::RegisterJob;
-use crate::job::reshape::report::Stage;
+use crate::job::report::files::write_report;
+use crate::job::report::stages::Stages;
 use crate::job::reshape::spec::ReshapeJob;
 use crate::job::separate::{BodyFiles, separate_files};
 use crate::register::Verdict;
@@ -54,7 +55,7 @@ pub fn run_anatomy(job: &AnatomyJob, run: &Run) -> Result<AnatomyReport> {
         return Err(Error::invalid("the job has no [[object]]; list what is to be reshaped"));
     }
     check_writable(&out.join("report.json"))?;
-    let mut stages = Stages(Instant::now(), Vec::new());
+    let mut stages = Stages::begin();
     let bones = find_bones(job, out, run)?;
     stages.end("bones");
     let cases = reshape_all(job, &bones, out, run);
@@ -68,26 +69,12 @@ pub fn run_anatomy(job: &AnatomyJob, run: &Run) -> Result<AnatomyReport> {
     stages.end("separation");
     run.enter("writing", 0.97);
     report.interrupted = run.is_cancelled();
-    report.stages = stages.1;
+    report.stages = stages.done();
     report.written.extend(["report.html", "report.json"].map(|name| out.join(name)));
     let page = anatomy_page::page(&report, out, &bones.person)?;
-    write_beside(&out.join("report.html"), |file| file.write_all(page.as_bytes()))?;
-    write_beside(&out.join("report.json"), |file| {
-        serde_json::to_writer_pretty(&mut *file, &report)?;
-        writeln!(file)
-    })?;
+    write_report(out, &report, &page)?;
     run.enter("done", 1.0);
     Ok(report)
-}
-
-/// Seconds of each stage.
-struct Stages(Instant, Vec<Stage>);
-
-impl Stages {
-    fn end(&mut self, name: &str) {
-        self.1.push(Stage { name: name.to_owned(), seconds: self.0.elapsed().as_secs_f64() });
-        self.0 = Instant::now();
-    }
 }
 
 fn find_bones(job: &AnatomyJob, out: &Path, run: &Run) -> Result<Bones> {

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::case::{Case, Status};
 use crate::error::{Error, Result};
 use crate::io::read_bytes;
-use crate::job::reshape::report::{Change, Stage};
+use crate::job::report::stages::Stage;
+use crate::job::reshape::report::Change;
 use crate::job::separate::SeparationReport;
 use crate::measure::Spread;
 

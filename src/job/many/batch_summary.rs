@@ -1,11 +1,7 @@
 //! What a batch came to: `table.csv`, `index.html`, and statistics over results that share vertices.
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
-
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 
 use super::case::{Case, Status};
 use crate::align::ShapeStatistics;
@@ -13,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::io::markup::escaped;
 use crate::io::stem;
 use crate::io::{SurfaceFile, read_surface, write_beside};
+use crate::job::report::html::{self, Column, marked, picture};
 use crate::job::report::picture::{Colour, View, draw};
 use crate::mesh::TriMesh;
 
@@ -145,68 +142,40 @@ fn write_group(folder: &Path, group: &Group) -> Result<()> {
 
 fn page(cases: &[Case], groups: &[Group]) -> String {
     let count = |wanted: Status| cases.iter().filter(|c| c.record.status == wanted).count();
-    let mut html = String::from(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>moulage: batch</title>\
-         <style>body{font:15px/1.45 system-ui,sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem}\
-         table{border-collapse:collapse}td,th{padding:.2rem .9rem .2rem 0;text-align:left;border-bottom:1px solid #ddd}\
-         td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}img{width:300px;max-width:100%}\
-         .failed{color:#a11}.doubtful{color:#955b00}.good{color:#176b2c}figure{display:inline-block;margin:0 1rem 1rem 0}\
-         </style></head><body>\n",
-    );
-    let _ = writeln!(
-        html,
-        "<h1>{} cases: {} good, {} doubtful, {} failed</h1>\n<table><tr><th>case<th>status",
+    let names = figure_names(cases);
+    let heads: Vec<String> = names.iter().map(|name| name.replace('_', " ")).collect();
+    let mut columns = vec![Column::Text("case"), Column::Text("status")];
+    columns.extend(heads.iter().map(|head| Column::Number(head)));
+    columns.extend([Column::Number("s"), Column::Text("what to know")]);
+    let row = |Case { record, kept }: &Case| {
+        let name = escaped(&record.name);
+        let word = status(record.status);
+        let link = match record.status {
+            Status::Failed => name,
+            _ => format!("<a href=\"{name}/report/report.html\">{name}</a>"),
+        };
+        let kept = if *kept { ", kept" } else { "" };
+        let figure = |name: &&str| record.figures.get(*name).map_or_else(String::new, number);
+        let mut row = vec![link, marked(word, &format!("{word}{kept}"))];
+        row.extend(names.iter().map(figure));
+        row.extend([format!("{:.1}", record.seconds), escaped(&record.message)]);
+        row
+    };
+    let body = format!(
+        "<h1>{} cases: {} good, {} doubtful, {} failed</h1>\n{}{}",
         cases.len(),
         count(Status::Good),
         count(Status::Doubtful),
-        count(Status::Failed)
+        count(Status::Failed),
+        html::table(&columns, cases.iter().map(row)),
+        groups.iter().map(statistics).collect::<String>()
     );
-    let figures = figure_names(cases);
-    for figure in &figures {
-        let _ = write!(html, "<th class=n>{}", figure.replace('_', " "));
-    }
-    html.push_str("<th class=n>s<th>what to know</tr>\n");
-    for Case { record, kept } in cases {
-        let name = escaped(&record.name);
-        let link = if record.status == Status::Failed {
-            name
-        } else {
-            format!("<a href=\"{name}/report/report.html\">{name}</a>")
-        };
-        let word = status(record.status);
-        let kept = if *kept { ", kept" } else { "" };
-        let _ = write!(html, "<tr><td>{link}<td class={word}>{word}{kept}");
-        for figure in &figures {
-            let value = record.figures.get(*figure);
-            let _ = write!(html, "<td class=n>{}", value.map_or_else(String::new, number));
-        }
-        let _ = writeln!(
-            html,
-            "<td class=n>{:.1}<td>{}</tr>",
-            record.seconds,
-            escaped(&record.message)
-        );
-    }
-    html.push_str("</table>\n");
-    for group in groups {
-        html.push_str(&statistics(group));
-    }
-    let _ = writeln!(
-        html,
-        "<p>moulage {}. Lengths are in the templates' unit.</p></body></html>",
-        env!("CARGO_PKG_VERSION")
-    );
-    html
+    html::page("batch", "the templates'", &body)
 }
 
 fn statistics(group: &Group) -> String {
     let found = &group.found;
     let name = escaped(&group.name);
-    let mut html = format!(
-        "<h2>{name} over {} cases</h2>\n<p>Mean shape and the first modes at {DEVIATIONS} standard deviations, rotation and shift \
-         removed. Files: statistics/{name}/.</p>\n",
-        group.cases.len()
-    );
     let mut shapes = vec![("mean".to_owned(), found.mean.clone())];
     for mode in 0..found.modes.len().min(MODES) {
         let share = 100.0 * found.shares[mode];
@@ -217,16 +186,17 @@ fn statistics(group: &Group) -> String {
         }
     }
     let frame: Vec<_> = shapes.iter().flat_map(|s| s.1.iter().copied()).collect();
-    for (caption, points) in shapes {
+    let pictures = shapes.into_iter().map(|(caption, points)| {
         let colours = vec![SKIN; points.len()];
         let mesh = TriMesh { points, triangles: group.triangles.clone() };
-        let png = STANDARD.encode(draw(&mesh, &colours, &[], &frame, View::Front));
-        let _ = writeln!(
-            html,
-            "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{png}\"><figcaption>{caption}</figcaption></figure>"
-        );
-    }
-    html
+        picture(&draw(&mesh, &colours, &[], &frame, View::Front), &caption)
+    });
+    format!(
+        "<h2>{name} over {} cases</h2>\n<p>Mean shape and the first modes at {DEVIATIONS} standard deviations, rotation and shift \
+         removed. Files: statistics/{name}/.</p>\n<div class=\"grid\">{}</div>\n",
+        group.cases.len(),
+        pictures.collect::<String>()
+    )
 }
 
 /// Counts without decimals.

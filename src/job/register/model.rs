@@ -1,9 +1,7 @@
 //! `moulage model`: shape statistics from earlier results, and shapes made from them.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use base64::Engine;
 use serde::Serialize;
 
 use super::model_file::{read_shape_model, write_shape_model};
@@ -12,6 +10,8 @@ use super::skeleton_files::{SkeletonFiles, read_skeleton};
 use crate::error::{Error, Result};
 use crate::io::file_name;
 use crate::io::write_beside;
+use crate::job::report::files::write_report;
+use crate::job::report::html::{self, Column, picture, table};
 use crate::job::report::picture::{Colour, View, draw};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -99,11 +99,7 @@ pub fn run_model_fit(job: &ModelFitJob, run: &Run) -> Result<ModelReport> {
     run.enter("writing", 0.9);
     write_shape_model(&job.out, template, &model)?;
     if let Some(folder) = &job.report {
-        let json = serde_json::to_string_pretty(&report)
-            .map_err(|e| Error::invalid(format!("the report cannot be written as JSON: {e}")))?;
-        write_beside(&folder.join("report.json"), |out| out.write_all(json.as_bytes()))?;
-        let page = page(&report, template, &model);
-        write_beside(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))?;
+        write_report(folder, &report, &page(&report, template, &model))?;
     }
     run.enter("done", 1.0);
     Ok(report)
@@ -211,56 +207,46 @@ fn write_shape(folder: &Path, files: &SkeletonFiles, shape: &Skeleton) -> Result
 }
 
 fn page(report: &ModelReport, template: &Skeleton, model: &ShapeModel) -> String {
-    let mut html = String::from(
-        "<!doctype html><meta charset=\"utf-8\"><title>Shape model</title>\
-         <style>body{font:15px sans-serif;margin:2em;max-width:85em}td,th{padding:.1em .8em;\
-         text-align:right}img{width:21em}figure{display:inline-block;margin:.3em}</style>\
-         <h1>Shape model</h1>",
-    );
-    // Writing to a string cannot fail.
-    let _ = write!(
-        html,
-        "<p>{} bones, {} results, {} modes.</p><table><tr><th>mode<th>root mean square at one standard \
-         deviation<th>explained so far</tr>",
+    let columns = [
+        Column::Text("mode"),
+        Column::Number("root mean square at one standard deviation"),
+        Column::Number("explained so far"),
+    ];
+    let modes = report.deviations.iter().zip(&report.explained).enumerate();
+    let rows = modes.map(|(k, (deviation, explained))| {
+        let (mode, share) = ((k + 1).to_string(), format!("{:.1} %", 100.0 * explained));
+        vec![mode, format!("{deviation:.3}"), share]
+    });
+    let mut body = vec![format!(
+        "<h1>Shape model</h1>\n<p>{} bones, {} results, {} modes.</p>\n{}",
         template.bones.len(),
         report.results.len(),
-        report.deviations.len()
-    );
-    for (k, (deviation, explained)) in report.deviations.iter().zip(&report.explained).enumerate() {
-        let _ =
-            write!(html, "<tr><td>{}<td>{deviation:.3}<td>{:.1} %</tr>", k + 1, 100.0 * explained);
-    }
-    html.push_str("</table>");
+        report.deviations.len(),
+        table(&columns, rows)
+    )];
     if !report.left_out.is_empty() {
         let mean = report.left_out.iter().sum::<f64>() / report.left_out.len() as f64;
-        let _ = write!(
-            html,
-            "<p>Each result fitted by a model of the others: root mean square {mean:.3}.</p>"
-        );
+        body.push(format!(
+            "<p>Each result fitted by a model of the others: root mean square {mean:.3}.</p>\n"
+        ));
     }
-    let _ = write!(
-        html,
+    body.push(format!(
         "<p>Colours: how far the surface moves outwards (red) or inwards (blue) against the mean, at \
-         {SHOWN_DEVIATIONS} standard deviations.</p>"
-    );
+         {SHOWN_DEVIATIONS} standard deviations.</p>\n"
+    ));
     let mean = shape_in_place(template, model.mean());
     for mode in 0..model.mode_count().min(SHOWN_MODES) {
-        let _ = write!(html, "<h2>Mode {}</h2>", mode + 1);
-        for side in [-SHOWN_DEVIATIONS, SHOWN_DEVIATIONS] {
+        let sides = [-SHOWN_DEVIATIONS, SHOWN_DEVIATIONS].map(|side| {
             let mut coefficients = vec![0.0; mode + 1];
             coefficients[mode] = side;
             let shape = shape_in_place(template, &model.synthesize(&coefficients));
-            let picture = mode_picture(template, model.mean(), &mean, &shape, &coefficients, model);
-            let png = base64::engine::general_purpose::STANDARD.encode(picture);
-            let _ = write!(
-                html,
-                "<figure><img alt=\"mode {}\" src=\"data:image/png;base64,{png}\">\
-                 <figcaption>{side:+}</figcaption></figure>",
-                mode + 1
-            );
-        }
+            let png = mode_picture(template, model.mean(), &mean, &shape, &coefficients, model);
+            picture(&png, &format!("mode {}, {side:+}", mode + 1))
+        });
+        let mode = mode + 1;
+        body.push(format!("<h2>Mode {mode}</h2>\n<div class=\"grid\">{}</div>\n", sides.concat()));
     }
-    html
+    html::page("shape model", "the template's", &body.concat())
 }
 
 /// A shape with the movement of each bone's surface against the mean in colours.

@@ -1,17 +1,16 @@
 //! `report.html` and `report.json` of a registration.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use base64::Engine;
 use serde::Serialize;
 
 use super::bone_landmarks::BoneLandmarks;
 use super::skeleton_files::SkeletonFiles;
 use super::spec::RegisterJob;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::markup::escaped;
-use crate::io::write_beside;
+use crate::job::report::files::write_report;
+use crate::job::report::html::{self, Column, image, marked, notes, table};
 use crate::job::report::picture::{Colour, View, draw};
 use crate::mesh::TriMesh;
 use crate::register::summary::{BoneSummary, JointSummary, LevelTrace};
@@ -184,11 +183,7 @@ impl RegisterReport {
         template: &Skeleton,
         found: &Registered,
     ) -> Result<()> {
-        let json = serde_json::to_string_pretty(self)
-            .map_err(|e| Error::invalid(format!("the report cannot be written as JSON: {e}")))?;
-        write_beside(&folder.join("report.json"), |out| out.write_all(json.as_bytes()))?;
-        let page = self.page(template, found);
-        write_beside(&folder.join("report.html"), |out| out.write_all(page.as_bytes()))
+        write_report(folder, self, &self.page(template, found))
     }
 
     fn verdict_colours(&self, skeleton: &Skeleton) -> Vec<Colour> {
@@ -201,17 +196,9 @@ impl RegisterReport {
     }
 
     fn page(&self, template: &Skeleton, found: &Registered) -> String {
-        let mut html = String::from(
-            "<!doctype html><meta charset=\"utf-8\"><title>Registration</title>\
-             <style>body{font:15px sans-serif;margin:2em;max-width:70em}td,th{padding:.1em .8em;\
-             text-align:right;vertical-align:top}td:first-child,th:first-child,.words{text-align:left}\
-             img{margin:.3em}.warn{color:#a40}.good{color:#272}.doubtful{color:#b60}\
-             .failed{color:#b00}</style><h1>Registration</h1>",
-        );
-        // Writing to a string cannot fail.
-        let _ = write!(
-            html,
-            "<h2 class=\"{}\">{}</h2><p>{} bones, {} joints; {} iterations in {:.2} s; mean residual {:.3}.</p>",
+        let head = format!(
+            "<h1>Registration</h1>\n<h2 class=\"{}\">{}</h2>\n\
+             <p>{} bones, {} joints; {} iterations in {:.2} s; mean residual {:.3}.</p>\n",
             self.verdict.name(),
             escaped(&self.headline()),
             self.bones.len(),
@@ -220,83 +207,92 @@ impl RegisterReport {
             self.seconds,
             self.mean_residual()
         );
-        for warning in &self.warnings {
-            let _ = write!(html, "<p class=\"warn\">{}</p>", escaped(warning));
-        }
+        let body = [
+            head,
+            notes(&self.warnings),
+            self.pictures(template, found),
+            format!("<h2>Bones</h2>\n{}<h2>Joints</h2>\n{}", self.bone_table(), self.joint_table()),
+            self.landmark_table(),
+        ];
+        html::page("registration", "the template's", &body.concat())
+    }
+
+    fn pictures(&self, template: &Skeleton, found: &Registered) -> String {
         let pictures = [
             ("Template", template, palette(template)),
             ("Person", &found.skeleton, palette(&found.skeleton)),
             ("Verdict", &found.skeleton, self.verdict_colours(&found.skeleton)),
         ];
-        for (title, skeleton, colours) in pictures {
-            let _ = write!(html, "<h2>{title}</h2>");
-            if title == "Verdict" {
-                html.push_str("<p>Pale: good. Orange: doubtful. Red: failed.</p>");
-            }
-            for view in [View::Front, View::Side] {
-                let png = picture(skeleton, &colours, view);
-                let png = base64::engine::general_purpose::STANDARD.encode(png);
-                let _ = write!(html, "<img alt=\"{title}\" src=\"data:image/png;base64,{png}\">");
-            }
-        }
-        html.push_str(
-            "<h2>Bones</h2><table><tr><th>bone<th>verdict<th>mean residual<th>largest<th>seen %\
-             <th>deepest inside another bone<th class=\"words\">why</tr>",
-        );
-        for b in &self.bones {
-            let _ = write!(
-                html,
-                "<tr><td>{}<td class=\"{1}\">{1}<td>{2:.3}<td>{3:.3}<td>{4:.0}<td>{5}<td class=\"words\">{6}</tr>",
-                escaped(&b.name),
-                b.verdict.name(),
-                b.mean_residual,
-                b.max_residual,
-                100.0 * b.seen,
-                b.penetrates.as_ref().map_or_else(String::new, |other| {
-                    format!("{:.2} in {}", b.penetration, escaped(other))
-                }),
-                escaped(&b.reasons.join("; "))
-            );
-        }
-        html.push_str(
-            "</table><h2>Joints</h2><table><tr><th>joint<th>rotation, degrees<th>share of range\
-             <th>data go beyond, degrees<th>centre<th>centres apart</tr>",
-        );
-        for j in &self.joints {
-            let r = j.rotation.map(f64::to_degrees);
-            let _ = write!(
-                html,
-                "<tr><td>{}<td>{:.1} {:.1} {:.1}<td>{:.2}<td>{:.1}<td>{:.2} {:.2} {:.2}<td>{:.2}</tr>",
-                escaped(&j.name),
-                r.x,
-                r.y,
-                r.z,
-                j.usage,
-                j.wanted_excess_degrees,
-                j.centre.x,
-                j.centre.y,
-                j.centre.z,
-                j.seam
-            );
-        }
-        html.push_str("</table>");
-        self.landmark_table(&mut html);
-        html
+        let part = |(title, skeleton, colours): (&str, &Skeleton, Vec<Colour>)| {
+            let key =
+                if title == "Verdict" { "Pale: good. Orange: doubtful. Red: failed." } else { "" };
+            let views = [View::Front, View::Side]
+                .map(|view| image(&picture(skeleton, &colours, view), title));
+            format!("<h2>{title}</h2>\n<p>{key}</p>\n{}", views.concat())
+        };
+        pictures.map(part).concat()
     }
 
-    fn landmark_table(&self, html: &mut String) {
+    fn bone_table(&self) -> String {
+        let columns = [
+            Column::Text("bone"),
+            Column::Text("verdict"),
+            Column::Number("mean residual"),
+            Column::Number("largest"),
+            Column::Number("seen %"),
+            Column::Number("deepest inside another bone"),
+            Column::Text("why"),
+        ];
+        let row = |b: &BoneSummary| {
+            let inside = b.penetrates.as_ref().map_or_else(String::new, |other| {
+                format!("{:.2} in {}", b.penetration, escaped(other))
+            });
+            vec![
+                escaped(&b.name),
+                marked(b.verdict.name(), b.verdict.name()),
+                format!("{:.3}", b.mean_residual),
+                format!("{:.3}", b.max_residual),
+                format!("{:.0}", 100.0 * b.seen),
+                inside,
+                escaped(&b.reasons.join("; ")),
+            ]
+        };
+        table(&columns, self.bones.iter().map(row))
+    }
+
+    fn joint_table(&self) -> String {
+        let columns = [
+            Column::Text("joint"),
+            Column::Number("rotation, degrees"),
+            Column::Number("share of range"),
+            Column::Number("data go beyond, degrees"),
+            Column::Number("centre"),
+            Column::Number("centres apart"),
+        ];
+        let row = |j: &JointSummary| {
+            let (r, c) = (j.rotation.map(f64::to_degrees), j.centre);
+            vec![
+                escaped(&j.name),
+                format!("{:.1} {:.1} {:.1}", r.x, r.y, r.z),
+                format!("{:.2}", j.usage),
+                format!("{:.1}", j.wanted_excess_degrees),
+                format!("{:.2} {:.2} {:.2}", c.x, c.y, c.z),
+                format!("{:.2}", j.seam),
+            ]
+        };
+        table(&columns, self.joints.iter().map(row))
+    }
+
+    fn landmark_table(&self) -> String {
         if self.landmarks.is_empty() {
-            return;
+            return String::new();
         }
-        html.push_str(
-            "<h2>Landmarks</h2><table><tr><th>landmark<th class=\"words\">bone<th>ends off by</tr>",
-        );
-        for l in &self.landmarks {
-            let (name, bone) = (escaped(&l.name), escaped(&l.bone));
-            let _ =
-                write!(html, "<tr><td>{name}<td class=\"words\">{bone}<td>{:.3}</tr>", l.distance);
-        }
-        html.push_str("</table>");
+        let columns =
+            [Column::Text("landmark"), Column::Text("bone"), Column::Number("ends off by")];
+        let row = |l: &LandmarkSummary| {
+            vec![escaped(&l.name), escaped(&l.bone), format!("{:.3}", l.distance)]
+        };
+        format!("<h2>Landmarks</h2>\n{}", table(&columns, self.landmarks.iter().map(row)))
     }
 }
 

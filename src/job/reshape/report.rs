@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::remesh::Remesh;
 use crate::job::images::compare::SliceFigure;
+use crate::job::report::stages::Stage;
 use crate::math::Vec3;
 use crate::measure::LabelFit;
 use crate::measure::Spread;
@@ -21,15 +22,6 @@ pub enum Ending {
     GaveUp,
     /// The caller asked to stop; the result is the best shape so far.
     Interrupted,
-}
-
-/// Seconds that one stage took.
-#[derive(Clone, Debug, Serialize)]
-pub struct Stage {
-    /// What was done.
-    pub name: String,
-    /// How long.
-    pub seconds: f64,
 }
 
 /// One iteration of the solver. Lengths in the template's unit.

@@ -9,7 +9,7 @@ use crate::math::{Mat3, Vec3, median};
 use crate::measure::{Spread, marker_distances};
 use crate::mesh::quality::dihedral_angles;
 use crate::mesh::{TetMesh, TriMesh, signed_volume};
-use crate::reshape::{Options, Pair, Stop};
+use crate::reshape::{Options, Pair, Stop, Tolerances};
 
 /// A pair farther off than so many tolerances, and than so many times the median, is suspect.
 const SUSPECT: f64 = 5.0;
@@ -27,9 +27,7 @@ pub struct Outcome {
     pub markers: Vec<Vec3>,
     /// Largest and smallest principal stretch per surface vertex.
     pub stretch: (Vec<f64>, Vec<f64>),
-    tolerance: f64,
-    landmark_tolerance: f64,
-    attachment_tolerance: f64,
+    tolerances: Tolerances,
 }
 
 impl Outcome {
@@ -37,12 +35,9 @@ impl Outcome {
     pub fn new(inputs: &Inputs, options: &Options, course: Course) -> Self {
         let filling = &course.filling;
         let stretch = stretches_of(&course.gradients(), &filling.mesh, &filling.embedding);
-        let tolerance = options.tolerance.unwrap_or(0.0);
         Self {
             markers: inputs.markers.iter().map(|m| m.position).collect(),
-            landmark_tolerance: options.landmark_tolerance.unwrap_or(tolerance),
-            attachment_tolerance: options.attachment_tolerance.unwrap_or(tolerance),
-            tolerance,
+            tolerances: options.tolerances(&inputs.surface),
             stretch,
             course,
         }
@@ -78,14 +73,14 @@ impl Outcome {
             fixed: inputs.fixed.len(),
             iteration_count: summary.iterations.len().saturating_sub(1),
             stages: Vec::new(),
-            tolerance: self.tolerance,
+            tolerance: self.tolerances.marker,
             marker_distance: Change {
                 before: Spread::of(&distances.before),
                 after: Spread::of(&distances.after),
             },
             marker_distances: distances,
-            landmarks: pairs(&inputs.landmarks, self.landmark_tolerance)?,
-            attachments: pairs(&inputs.attachments, self.attachment_tolerance)?,
+            landmarks: pairs(&inputs.landmarks, self.tolerances.landmark)?,
+            attachments: pairs(&inputs.attachments, self.tolerances.attachment)?,
             min_dihedral_histogram: Change {
                 before: min_dihedrals(&filling.mesh, &filling.mesh.points, &inside),
                 after: min_dihedrals(&filling.mesh, now, &inside),

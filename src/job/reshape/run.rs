@@ -1,18 +1,18 @@
 //! One reshaping from files to files.
 
-use std::time::Instant;
-
 use super::fill::fill;
 use super::inputs::Inputs;
 use super::output;
-use super::page::write_report;
+use super::page::page;
 use super::remesh::Course;
-use super::report::{Ending, Report, Stage};
+use super::report::{Ending, Report};
 use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::align::{Freedom, Similarity, pre_align};
 use crate::error::{Error, Result};
 use crate::job::images::compare::Person;
+use crate::job::report::files::write_report;
+use crate::job::report::stages::Stages;
 use crate::math::Vec3;
 use crate::measure::{Spread, marker_distances};
 use crate::mesh::TriMesh;
@@ -38,7 +38,7 @@ pub fn run_reshape(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
 }
 
 fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
-    let mut clock = Clock::new();
+    let mut stages = Stages::begin();
     run.enter("reading", 0.0);
     let mut inputs = Inputs::read(job)?;
     if job.refine == Some(true) && job.volume.is_none() {
@@ -52,21 +52,21 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     if let Some(freedom) = align {
         place(&mut inputs, freedom)?;
     }
-    clock.stop("reading");
+    stages.end("reading");
     run.enter("filling with tets", 0.0);
     let mut filling = fill(job, &inputs.surface, run)?;
     inputs.warnings.append(&mut filling.warnings);
-    clock.stop("tets");
+    stages.end("tets");
     let (problem, options) = (problem(&inputs, &filling), options(job, &inputs.surface));
     let mut course = Course::run(job, problem, filling, &options, run)?;
     inputs.warnings.append(&mut course.filling.warnings);
-    clock.stop("solver");
+    stages.end("solver");
     let mut refinement = None;
     if job.refine == Some(true) && !run.is_cancelled() {
         let points = &course.reshaped.surface_points;
         refinement = Some(refine_problem(&mut course.problem, &person, points)?);
         course.reshaped = reshape(&course.problem, &options, run)?;
-        clock.stop("solver, with the image");
+        stages.end("solver, with the image");
     }
     let outcome = Outcome::new(&inputs, &options, course);
     let mut report = outcome.report(&inputs)?;
@@ -81,11 +81,11 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     }
     run.enter("writing", 1.0);
     report.written = output::write(job, &inputs, &outcome)?;
-    clock.stop("writing");
-    report.stages = clock.stages;
+    stages.end("writing");
+    report.stages = stages.done();
     if let Some(folder) = &job.report {
         report.written.extend(["report.html", "report.json"].map(|name| folder.join(name)));
-        write_report(&report, &outcome.shapes(&inputs), folder)?;
+        write_report(folder, &report, &page(&report, &outcome.shapes(&inputs)))?;
     }
     Ok(JobResult { points: outcome.course.reshaped.surface_points, report })
 }
@@ -160,36 +160,16 @@ fn options(job: &ReshapeJob, template: &TriMesh) -> Options {
     set(&mut options.poisson, job.poisson);
     set(&mut options.max_iterations, job.max_iterations);
     options.screening = job.screening;
-    options.tolerance = job.tolerance.or(Some(template.diagonal() / TOLERANCES));
+    options.tolerance = job.tolerance;
     options.landmark_tolerance = job.landmark_tolerance;
     options.attachment_tolerance = job.attachment_tolerance;
+    options.tolerance = Some(options.tolerances(template).marker);
     options
 }
-
-/// The template's diagonal has so many tolerances by default, as in the solver.
-const TOLERANCES: f64 = 1000.0;
 
 fn set<T>(option: &mut T, wish: Option<T>) {
     if let Some(wish) = wish {
         *option = wish;
-    }
-}
-
-/// Seconds of each stage.
-struct Clock {
-    last: Instant,
-    stages: Vec<Stage>,
-}
-
-impl Clock {
-    fn new() -> Self {
-        Self { last: Instant::now(), stages: Vec::new() }
-    }
-
-    fn stop(&mut self, name: &str) {
-        let seconds = self.last.elapsed().as_secs_f64();
-        self.stages.push(Stage { name: name.to_owned(), seconds });
-        self.last = Instant::now();
     }
 }
 
