@@ -126,15 +126,6 @@ pub(super) fn guard_or<T>(otherwise: T, body: impl FnOnce() -> Outcome<T>) -> T 
     catch_unwind(AssertUnwindSafe(body)).ok().and_then(Result::ok).unwrap_or(otherwise)
 }
 
-/// Runs the body of a getter that lends a list: NULL and a count of 0 for what is not there.
-pub(super) fn lent<T>(out_count: *mut usize, body: impl FnOnce() -> Outcome<*const T>) -> *const T {
-    // SAFETY: NULL or a writable count, as every function's documentation asks.
-    if let Some(count) = unsafe { out_count.as_mut() } {
-        *count = 0;
-    }
-    guard_or(std::ptr::null(), body)
-}
-
 /// A caught panic as a failure.
 pub(super) fn panicked(panic: &(dyn Any + Send)) -> Failure {
     let text = panic

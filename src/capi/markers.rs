@@ -4,8 +4,8 @@ use libc::c_char;
 use std::ffi::CString;
 use std::ptr;
 
-use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent};
-use super::{buffers, handles};
+use super::boundary::{MlgError, MlgStatus, guard};
+use super::{access, buffers, handles};
 use crate::io::{self, read_markers, write_markers};
 use crate::math::Vec3;
 
@@ -46,8 +46,7 @@ pub unsafe extern "C" fn mlg_markers_new(
     out_markers: *mut *mut MlgMarkers,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_markers, "out_markers")?;
+    access::make((out_markers, "out_markers"), error, || {
         // SAFETY: the caller's promise (see the module).
         let places = unsafe { buffers::points(points, count, "points")? };
         let given = !weights.is_null();
@@ -61,9 +60,7 @@ pub unsafe extern "C" fn mlg_markers_new(
             weight: given.then_some(weight),
             ..io::Marker::at(position)
         });
-        let handle = handles::give(Markers::new(markers.collect()));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_markers, handle, "out_markers") }
+        Ok(Markers::new(markers.collect()))
     })
 }
 
@@ -75,13 +72,10 @@ pub unsafe extern "C" fn mlg_markers_load(
     out_markers: *mut *mut MlgMarkers,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_markers, "out_markers")?;
+    access::make((out_markers, "out_markers"), error, || {
         // SAFETY: the caller's promise (see the module).
         let markers = read_markers(&unsafe { buffers::path(path, "path")? })?;
-        let handle = handles::give(Markers::new(markers));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_markers, handle, "out_markers") }
+        Ok(Markers::new(markers))
     })
 }
 
@@ -107,11 +101,7 @@ pub unsafe extern "C" fn mlg_markers_points(
     markers: *const MlgMarkers,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let markers = handles::get::<Markers, _>(markers, "markers")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&markers.points, out_count) })
-    })
+    access::lend(markers, out_count, |markers: &Markers| &markers.points)
 }
 
 /// The weights: `*out_count` numbers, 1 where the file gives none, borrowed until the markers are
@@ -121,11 +111,7 @@ pub unsafe extern "C" fn mlg_markers_weights(
     markers: *const MlgMarkers,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let markers = handles::get::<Markers, _>(markers, "markers")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&markers.weights, out_count) })
-    })
+    access::lend(markers, out_count, |markers: &Markers| &markers.weights)
 }
 
 /// The name of one marker: UTF-8, borrowed until the markers are freed. NULL where it has none, if
@@ -135,18 +121,14 @@ pub unsafe extern "C" fn mlg_markers_label(
     markers: *const MlgMarkers,
     index: usize,
 ) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let markers = handles::get::<Markers, _>(markers, "markers")?;
+    access::read_or(ptr::null(), markers, |markers: &Markers| {
         let label = markers.labels.get(index).and_then(Option::as_ref);
-        Ok(label.map_or(ptr::null(), |l| l.as_ptr()))
+        label.map_or(ptr::null(), |l| l.as_ptr())
     })
 }
 
 /// Frees markers. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_markers_free(markers: *mut MlgMarkers) {
-    guard_or((), || {
-        handles::free::<Markers, _>(markers);
-        Ok(())
-    });
+    access::free::<Markers, _>(markers);
 }

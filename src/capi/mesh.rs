@@ -2,8 +2,8 @@
 
 use libc::c_char;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
-use super::{buffers, handles};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
+use super::{access, buffers, handles};
 use crate::io::{SurfaceFile, read_surface, read_tets, write_surface, write_vtu};
 use crate::mesh::{SurfaceCheck, TetMesh, TriMesh};
 
@@ -43,16 +43,14 @@ pub unsafe extern "C" fn mlg_tri_mesh_new(
     out_mesh: *mut *mut MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_mesh, "out_mesh")?;
+    access::make((out_mesh, "out_mesh"), error, || {
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, point_count, "points")? };
         // SAFETY: as above.
         let triangles =
             unsafe { buffers::index_rows::<3>(triangles, triangle_count, "triangles")? };
         let mesh = TriMesh::new(points, triangles)?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_mesh, handles::give(Surface { mesh, file: None }), "out_mesh") }
+        Ok(Surface { mesh, file: None })
     })
 }
 
@@ -64,13 +62,11 @@ pub unsafe extern "C" fn mlg_tri_mesh_load(
     out_mesh: *mut *mut MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_mesh, "out_mesh")?;
+    access::make((out_mesh, "out_mesh"), error, || {
         // SAFETY: the caller's promise (see the module).
         let file = read_surface(&unsafe { buffers::path(path, "path")? })?;
         let surface = Surface { mesh: file.mesh()?, file: Some(file) };
-        // SAFETY: as above.
-        unsafe { buffers::write(out_mesh, handles::give(surface), "out_mesh") }
+        Ok(surface)
     })
 }
 
@@ -122,11 +118,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_points(
     mesh: *const MlgTriMesh,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&surface.mesh.points, out_count) })
-    })
+    access::lend(mesh, out_count, |surface: &Surface| &surface.mesh.points)
 }
 
 /// The triangles: `3 * *out_count` vertex indices, borrowed until the mesh is freed. NULL for a
@@ -136,11 +128,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_triangles(
     mesh: *const MlgTriMesh,
     out_count: *mut usize,
 ) -> *const u32 {
-    lent(out_count, || {
-        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&surface.mesh.triangles, out_count) })
-    })
+    access::lend(mesh, out_count, |surface: &Surface| &surface.mesh.triangles)
 }
 
 /// Looks for holes, crowded and flipped edges, empty triangles, double and unused vertices, and
@@ -166,10 +154,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_check(
 /// Frees a surface. NULL and handles freed already are allowed. Objects made from it stay valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tri_mesh_free(mesh: *mut MlgTriMesh) {
-    guard_or((), || {
-        handles::free::<Surface, _>(mesh);
-        Ok(())
-    });
+    access::free::<Surface, _>(mesh);
 }
 
 /// Makes a tet mesh from arrays, which are copied. Tets of negative volume are turned around.
@@ -185,15 +170,12 @@ pub unsafe extern "C" fn mlg_tet_mesh_new(
     out_mesh: *mut *mut MlgTetMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_mesh, "out_mesh")?;
+    access::make((out_mesh, "out_mesh"), error, || {
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, point_count, "points")? };
         // SAFETY: as above.
         let tets = unsafe { buffers::index_rows::<4>(tets, tet_count, "tets")? };
-        let mesh = TetMesh::new(points, tets)?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_mesh, handles::give(mesh), "out_mesh") }
+        Ok(TetMesh::new(points, tets)?)
     })
 }
 
@@ -205,12 +187,9 @@ pub unsafe extern "C" fn mlg_tet_mesh_load(
     out_mesh: *mut *mut MlgTetMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_mesh, "out_mesh")?;
+    access::make((out_mesh, "out_mesh"), error, || {
         // SAFETY: the caller's promise (see the module).
-        let mesh = read_tets(&unsafe { buffers::path(path, "path")? })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_mesh, handles::give(mesh), "out_mesh") }
+        Ok(read_tets(&unsafe { buffers::path(path, "path")? })?)
     })
 }
 
@@ -235,11 +214,7 @@ pub unsafe extern "C" fn mlg_tet_mesh_points(
     mesh: *const MlgTetMesh,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&mesh.points, out_count) })
-    })
+    access::lend(mesh, out_count, |mesh: &TetMesh| &mesh.points)
 }
 
 /// The tets: `4 * *out_count` vertex indices, borrowed until the mesh is freed. NULL for a mesh
@@ -249,18 +224,11 @@ pub unsafe extern "C" fn mlg_tet_mesh_tets(
     mesh: *const MlgTetMesh,
     out_count: *mut usize,
 ) -> *const u32 {
-    lent(out_count, || {
-        let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&mesh.tets, out_count) })
-    })
+    access::lend(mesh, out_count, |mesh: &TetMesh| &mesh.tets)
 }
 
 /// Frees a tet mesh. NULL and handles freed already are allowed. Objects made from it stay valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tet_mesh_free(mesh: *mut MlgTetMesh) {
-    guard_or((), || {
-        handles::free::<TetMesh, _>(mesh);
-        Ok(())
-    });
+    access::free::<TetMesh, _>(mesh);
 }

@@ -7,6 +7,7 @@
 #![allow(unsafe_code)]
 #![allow(clippy::missing_safety_doc)]
 
+mod access;
 mod boundary;
 mod buffers;
 mod distances;

@@ -5,10 +5,10 @@ use std::ffi::CString;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::skeleton::{MlgSkeleton, SkeletonObject, c_name};
 use super::skeleton_files::has_extension;
-use super::{buffers, handles};
+use super::{access, buffers, handles};
 use crate::io::gltf::write_glb;
 use crate::job::{metres_per_unit, read_motion, scene, write_motion_file};
 use crate::register::animation::Motion;
@@ -54,8 +54,7 @@ pub unsafe extern "C" fn mlg_motion_new(
     out_motion: *mut *mut MlgMotion,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_motion, "out_motion")?;
+    access::make((out_motion, "out_motion"), error, || {
         let skeleton = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
         if names.is_null() && angle_count > 0 {
             return Err(Failure::null("names"));
@@ -74,8 +73,7 @@ pub unsafe extern "C" fn mlg_motion_new(
             .map(|k| angles[k * angle_count..(k + 1) * angle_count].to_vec())
             .collect();
         let motion = MotionObject::new(skeleton, Motion { names, times, frames });
-        // SAFETY: as above.
-        unsafe { buffers::write(out_motion, handles::give(motion), "out_motion") }
+        Ok(motion)
     })
 }
 
@@ -115,8 +113,7 @@ pub unsafe extern "C" fn mlg_motion_load(
     out_motion: *mut *mut MlgMotion,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_motion, "out_motion")?;
+    access::make((out_motion, "out_motion"), error, || {
         let skeleton = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::path(path, "path")? };
@@ -125,8 +122,7 @@ pub unsafe extern "C" fn mlg_motion_load(
         let flipped: Vec<String> = flipped.into_iter().flatten().collect();
         let motion = read_motion(&path, &skeleton.skeleton, &flipped)?;
         let motion = MotionObject::new(skeleton, motion);
-        // SAFETY: as above.
-        unsafe { buffers::write(out_motion, handles::give(motion), "out_motion") }
+        Ok(motion)
     })
 }
 
@@ -164,11 +160,7 @@ pub unsafe extern "C" fn mlg_motion_times(
     motion: *const MlgMotion,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let motion = handles::get::<MotionObject, _>(motion, "motion")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&motion.motion.times, out_count) })
-    })
+    access::lend(motion, out_count, |motion: &MotionObject| &motion.motion.times)
 }
 
 /// The angles, one frame after the other, in the order of their names: `*out_count` numbers in all,
@@ -179,11 +171,7 @@ pub unsafe extern "C" fn mlg_motion_angles(
     motion: *const MlgMotion,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let motion = handles::get::<MotionObject, _>(motion, "motion")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&motion.angles, out_count) })
-    })
+    access::lend(motion, out_count, |motion: &MotionObject| &motion.angles)
 }
 
 /// The name of an angle: UTF-8, borrowed until the motion is freed. NULL if there is no angle of that
@@ -193,9 +181,8 @@ pub unsafe extern "C" fn mlg_motion_angle_name(
     motion: *const MlgMotion,
     angle: usize,
 ) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let motion = handles::get::<MotionObject, _>(motion, "motion")?;
-        Ok(motion.names.get(angle).map_or(ptr::null(), |n| n.as_ptr()))
+    access::read_or(ptr::null(), motion, |motion: &MotionObject| {
+        motion.names.get(angle).map_or(ptr::null(), |n| n.as_ptr())
     })
 }
 
@@ -203,14 +190,11 @@ pub unsafe extern "C" fn mlg_motion_angle_name(
 /// freed; empty if it knows all. NULL for a handle that is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_motion_notes(motion: *const MlgMotion) -> *const c_char {
-    guard_or(ptr::null(), || Ok(handles::get::<MotionObject, _>(motion, "motion")?.notes.as_ptr()))
+    access::read_or(ptr::null(), motion, |motion: &MotionObject| motion.notes.as_ptr())
 }
 
 /// Frees a motion. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_motion_free(motion: *mut MlgMotion) {
-    guard_or((), || {
-        handles::free::<MotionObject, _>(motion);
-        Ok(())
-    });
+    access::free::<MotionObject, _>(motion);
 }

@@ -5,10 +5,10 @@ use std::ffi::CString;
 use std::path::PathBuf;
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::mesh::{MlgTriMesh, Surface};
 use super::reshaping::{MlgReshaping, ProblemObject};
-use super::{buffers, handles};
+use super::{access, buffers, handles};
 use crate::job::{Gap, read_attachment_pairs, read_fixed_vertices, read_landmark_pairs};
 use crate::math::Vec3;
 use crate::reshape::{Landmark, Pair, TemplatePoint, attach_to_bone};
@@ -61,8 +61,7 @@ pub unsafe extern "C" fn mlg_pairs_load_landmarks(
     out_pairs: *mut *mut MlgPairs,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_pairs, "out_pairs")?;
+    access::make((out_pairs, "out_pairs"), error, || {
         let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
         // SAFETY: the caller's promise (see the module).
         let mut files: Vec<PathBuf> = vec![unsafe { buffers::path(path, "path")? }];
@@ -71,8 +70,7 @@ pub unsafe extern "C" fn mlg_pairs_load_landmarks(
             files.push(unsafe { buffers::path(person_path, "person_path")? });
         }
         let (pairs, warning) = read_landmark_pairs(&files, &surface.mesh)?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_pairs, handles::give(Pairs::new(pairs, warning)), "out_pairs") }
+        Ok(Pairs::new(pairs, warning))
     })
 }
 
@@ -89,15 +87,13 @@ pub unsafe extern "C" fn mlg_pairs_load_attachments(
     out_pairs: *mut *mut MlgPairs,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_pairs, "out_pairs")?;
+    access::make((out_pairs, "out_pairs"), error, || {
         let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
         let gap = if buffers::switch(keep_gap, "keep_gap")? { Gap::Keep } else { Gap::Close };
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::path(path, "path")? };
         let pairs = Pairs::new(read_attachment_pairs(&path, &surface.mesh, gap)?, None);
-        // SAFETY: as above.
-        unsafe { buffers::write(out_pairs, handles::give(pairs), "out_pairs") }
+        Ok(pairs)
     })
 }
 
@@ -114,8 +110,7 @@ pub unsafe extern "C" fn mlg_pairs_from_bone(
     out_pairs: *mut *mut MlgPairs,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_pairs, "out_pairs")?;
+    access::make((out_pairs, "out_pairs"), error, || {
         let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
         surface.check_triangles("template_surface")?;
         let rest = handles::get::<Surface, _>(bone, "bone")?;
@@ -125,8 +120,7 @@ pub unsafe extern "C" fn mlg_pairs_from_bone(
         }
         let (rest, person) = (&rest.mesh.points, &person.mesh.points);
         let pairs = attach_to_bone("bone", rest, person, &surface.mesh, distance)?;
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_pairs, handles::give(Pairs::new(pairs, None)), "out_pairs") }
+        Ok(Pairs::new(pairs, None))
     })
 }
 
@@ -137,11 +131,7 @@ pub unsafe extern "C" fn mlg_pairs_template_points(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&pairs.places, out_count) })
-    })
+    access::lend(pairs, out_count, |pairs: &Pairs| &pairs.places)
 }
 
 /// The template's vertices: `*out_count` indices, `MLG_NO_VERTEX` where the file names none;
@@ -151,11 +141,7 @@ pub unsafe extern "C" fn mlg_pairs_template_vertices(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const u32 {
-    lent(out_count, || {
-        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&pairs.vertices, out_count) })
-    })
+    access::lend(pairs, out_count, |pairs: &Pairs| &pairs.vertices)
 }
 
 /// The targets: `3 * *out_count` coordinates, borrowed until the pairs are freed. NULL for a handle
@@ -165,11 +151,7 @@ pub unsafe extern "C" fn mlg_pairs_targets(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&pairs.targets, out_count) })
-    })
+    access::lend(pairs, out_count, |pairs: &Pairs| &pairs.targets)
 }
 
 /// The weights: `*out_count` numbers, borrowed until the pairs are freed. NULL for a handle that is
@@ -179,20 +161,15 @@ pub unsafe extern "C" fn mlg_pairs_weights(
     pairs: *const MlgPairs,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&pairs.weights, out_count) })
-    })
+    access::lend(pairs, out_count, |pairs: &Pairs| &pairs.weights)
 }
 
 /// The name of one pair: UTF-8, borrowed until the pairs are freed. NULL if `index` is not below the
 /// count or the handle is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_pairs_label(pairs: *const MlgPairs, index: usize) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
-        Ok(pairs.labels.get(index).map_or(ptr::null(), |l| l.as_ptr()))
+    access::read_or(ptr::null(), pairs, |pairs: &Pairs| {
+        pairs.labels.get(index).map_or(ptr::null(), |l| l.as_ptr())
     })
 }
 
@@ -200,19 +177,15 @@ pub unsafe extern "C" fn mlg_pairs_label(pairs: *const MlgPairs, index: usize) -
 /// pairs are freed; NULL if nothing was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_pairs_warning(pairs: *const MlgPairs) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let pairs = handles::get::<Pairs, _>(pairs, "pairs")?;
-        Ok(pairs.warning.as_ref().map_or(ptr::null(), |w| w.as_ptr()))
+    access::read_or(ptr::null(), pairs, |pairs: &Pairs| {
+        pairs.warning.as_ref().map_or(ptr::null(), |w| w.as_ptr())
     })
 }
 
 /// Frees pairs. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_pairs_free(pairs: *mut MlgPairs) {
-    guard_or((), || {
-        handles::free::<Pairs, _>(pairs);
-        Ok(())
-    });
+    access::free::<Pairs, _>(pairs);
 }
 
 /// Sets the landmarks of a problem; replaces earlier ones. Like `mlg_reshaping_set_landmarks`, with

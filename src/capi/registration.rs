@@ -3,15 +3,15 @@
 use std::ptr;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use super::registration_result::{MlgRegistrationResult, RegistrationResult};
 use super::run::{MlgRun, RunObject, hand_over};
 use super::shape_model::{MlgShapeModel, ModelObject};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::volume::MlgVolume;
+use super::{access, handles};
 use crate::io::VolumeFile;
 use crate::job::read_shape_model;
 use crate::register::options::Levels;
@@ -155,13 +155,11 @@ pub unsafe extern "C" fn mlg_registration_new(
     out_problem: *mut *mut MlgRegistration,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_problem, "out_problem")?;
+    access::make((out_problem, "out_problem"), error, || {
         let template = handles::get::<SkeletonObject, _>(template_skeleton, "template_skeleton")?;
         let (seen, model) = (Mutex::new(Seen::Nothing), Mutex::new(None));
         let problem = ProblemObject { template, seen, model };
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_problem, handles::give(problem), "out_problem") }
+        Ok(problem)
     })
 }
 
@@ -334,17 +332,12 @@ pub unsafe extern "C" fn mlg_registration_start(
     out_run: *mut *mut MlgRun,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_run, "out_run")?;
+    access::make((out_run, "out_run"), error, || {
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.copy();
         problem.check()?;
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options, &problem.template)? };
-        let run = RunObject::start("a registration", thread_count, move |run| {
-            problem.compute(options, run)
-        })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+        RunObject::start("a registration", thread_count, move |run| problem.compute(options, run))
     })
 }
 
@@ -370,24 +363,17 @@ pub unsafe extern "C" fn mlg_registration_run(
     out_result: *mut *mut MlgRegistrationResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_result, "out_result")?;
+    access::make((out_result, "out_result"), error, || {
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.copy();
         problem.check()?;
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options, &problem.template)? };
-        let result =
-            thread_pool(thread_count)?.install(|| problem.compute(options, &Run::new()))?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_result, handles::give(result), "out_result") }
+        thread_pool(thread_count)?.install(|| problem.compute(options, &Run::new()))
     })
 }
 
 /// Frees a registration. NULL and handles freed already are allowed. Runs started from it go on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_registration_free(problem: *mut MlgRegistration) {
-    guard_or((), || {
-        handles::free::<ProblemObject, _>(problem);
-        Ok(())
-    });
+    access::free::<ProblemObject, _>(problem);
 }

@@ -3,11 +3,11 @@
 use libc::c_char;
 use std::sync::Arc;
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent, name_of};
+use super::boundary::{MlgError, MlgStatus, Outcome, guard, name_of};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
+use super::{access, handles};
 use crate::job::{registration_warnings, result_document};
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Registered, Verdict};
@@ -167,15 +167,12 @@ pub unsafe extern "C" fn mlg_registration_result_skeleton(
     out_skeleton: *mut *mut MlgSkeleton,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_skeleton, "out_skeleton")?;
+    access::make((out_skeleton, "out_skeleton"), error, || {
         let result = object(result)?;
         let document = result_document(&result.template.document, &result.registered);
         let skeleton = result.registered.skeleton.clone();
         let surfaces = result.template.surfaces.clone();
-        let handle = handles::give(SkeletonObject::new(document, skeleton, surfaces, &[]));
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_skeleton, handle, "out_skeleton") }
+        Ok(SkeletonObject::new(document, skeleton, surfaces, &[]))
     })
 }
 
@@ -253,11 +250,7 @@ pub unsafe extern "C" fn mlg_registration_result_coefficients(
     result: *const MlgRegistrationResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = object(result)?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.registered.coefficients, out_count) })
-    })
+    access::lend(result, out_count, |result: &RegistrationResult| &result.registered.coefficients)
 }
 
 /// Carries a soft tissue surface along with the bones; takes seconds for large ones.
@@ -326,10 +319,7 @@ pub unsafe extern "C" fn mlg_registration_result_warnings(
 /// Frees a result. NULL and handles freed already are allowed. Objects made from it stay valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_registration_result_free(result: *mut MlgRegistrationResult) {
-    guard_or((), || {
-        handles::free::<RegistrationResult, _>(result);
-        Ok(())
-    });
+    access::free::<RegistrationResult, _>(result);
 }
 
 fn object(result: *const MlgRegistrationResult) -> Outcome<Arc<RegistrationResult>> {

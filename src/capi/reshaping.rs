@@ -3,10 +3,10 @@
 use std::ptr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::tetrahedralization::{Carried, MlgTetrahedralization};
+use super::{access, handles};
 use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint};
 
 /// A template and the data it is to follow. May be used by one thread at a time.
@@ -130,8 +130,7 @@ pub unsafe extern "C" fn mlg_reshaping_new(
     out_problem: *mut *mut MlgReshaping,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_problem, "out_problem")?;
+    access::make((out_problem, "out_problem"), error, || {
         let carried = handles::get::<Carried, _>(template_tets, "template_tets")?;
         let problem = Problem::new(
             carried.surface.mesh.clone(),
@@ -139,9 +138,7 @@ pub unsafe extern "C" fn mlg_reshaping_new(
             carried.embedding.clone(),
             carried.inside_fraction.clone(),
         );
-        let handle = handles::give(ProblemObject(Mutex::new(problem)));
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_problem, handle, "out_problem") }
+        Ok(ProblemObject(Mutex::new(problem)))
     })
 }
 
@@ -280,10 +277,7 @@ pub unsafe extern "C" fn mlg_reshaping_set_fixed(
 /// Frees a problem. NULL and handles freed already are allowed. Runs started from it go on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_reshaping_free(problem: *mut MlgReshaping) {
-    guard_or((), || {
-        handles::free::<ProblemObject, _>(problem);
-        Ok(())
-    });
+    access::free::<ProblemObject, _>(problem);
 }
 
 unsafe fn at_points(points: *const f64, count: usize) -> Outcome<Vec<TemplatePoint>> {

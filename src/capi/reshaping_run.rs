@@ -4,7 +4,7 @@ use super::boundary::{MlgError, MlgStatus, Outcome, guard};
 use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options_of};
 use super::result::{MlgReshapingResult, ReshapingResult};
 use super::run::{MlgRun, RunObject, hand_over};
-use super::{buffers, handles};
+use super::{access, handles};
 use crate::reshape::{Options, Problem, reshape, reshape_again};
 use crate::run::Run;
 use crate::threads::thread_pool;
@@ -24,17 +24,12 @@ pub unsafe extern "C" fn mlg_reshaping_start(
     out_run: *mut *mut MlgRun,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_run, "out_run")?;
+    access::make((out_run, "out_run"), error, || {
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         problem.check()?;
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        let run = RunObject::start("a reshaping", thread_count, move |run| {
-            compute(problem, &options, run)
-        })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+        RunObject::start("a reshaping", thread_count, move |run| compute(problem, &options, run))
     })
 }
 
@@ -50,8 +45,7 @@ pub unsafe extern "C" fn mlg_reshaping_start_again(
     out_run: *mut *mut MlgRun,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_run, "out_run")?;
+    access::make((out_run, "out_run"), error, || {
         let earlier = handles::get::<ReshapingResult, _>(earlier, "earlier")?;
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         problem.check()?;
@@ -61,8 +55,7 @@ pub unsafe extern "C" fn mlg_reshaping_start_again(
             let reshaped = reshape_again(earlier.reshaped(), &problem, &options, run)?;
             ReshapingResult::new(problem, reshaped, run.progress().seconds)
         })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+        Ok(run)
     })
 }
 
@@ -88,14 +81,10 @@ pub unsafe extern "C" fn mlg_reshaping_run(
     out_result: *mut *mut MlgReshapingResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_result, "out_result")?;
+    access::make((out_result, "out_result"), error, || {
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        let result =
-            thread_pool(thread_count)?.install(|| compute(problem, &options, &Run::new()))?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_result, handles::give(result), "out_result") }
+        thread_pool(thread_count)?.install(|| compute(problem, &options, &Run::new()))
     })
 }

@@ -2,10 +2,10 @@
 
 use libc::c_char;
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard, guard_or, lent, name_of};
+use super::boundary::{MlgError, MlgStatus, Outcome, guard, name_of};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::tetrahedralization::MlgTetQuality;
+use super::{access, handles};
 use crate::fem::vertex_stretches;
 use crate::job::write_deformed_tets;
 use crate::locate::Embedding;
@@ -167,11 +167,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_points(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.reshaped.surface_points, out_count) })
-    })
+    access::lend(result, out_count, |result: &ReshapingResult| &result.reshaped.surface_points)
 }
 
 /// The tet mesh's points, in its order: `3 * *out_count` coordinates, borrowed until the result is
@@ -181,11 +177,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.reshaped.tet_points, out_count) })
-    })
+    access::lend(result, out_count, |result: &ReshapingResult| &result.reshaped.tet_points)
 }
 
 /// The plastic strain Fp of each tet: `9 * *out_count` numbers, a symmetric 3x3 matrix each;
@@ -195,11 +187,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_plastic_strains(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.reshaped.plastic_strain, out_count) })
-    })
+    access::lend(result, out_count, |result: &ReshapingResult| &result.reshaped.plastic_strain)
 }
 
 /// The largest principal stretch of the deformation at each vertex of the surface: `*out_count`
@@ -210,11 +198,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_max_stretches(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.stretches.0, out_count) })
-    })
+    access::lend(result, out_count, |result: &ReshapingResult| &result.stretches.0)
 }
 
 /// The smallest principal stretch of the deformation at each vertex of the surface, as
@@ -224,11 +208,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_min_stretches(
     result: *const MlgReshapingResult,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&result.stretches.1, out_count) })
-    })
+    access::lend(result, out_count, |result: &ReshapingResult| &result.stretches.1)
 }
 
 /// Carries other points along by the deformation: vessels inside, a textured mesh around.
@@ -279,11 +259,12 @@ pub unsafe extern "C" fn mlg_reshaping_result_summary(
     out_summary: *mut MlgReshapingSummary,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_summary, result.summary(), "out_summary") }
-    })
+    access::fill(
+        (result, "result"),
+        (out_summary, "out_summary"),
+        error,
+        |result: &ReshapingResult| Ok(result.summary()),
+    )
 }
 
 /// Measures the tets of the result. `out_quality`: its `struct_size` must be set.
@@ -293,18 +274,16 @@ pub unsafe extern "C" fn mlg_reshaping_result_quality(
     out_quality: *mut MlgTetQuality,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_quality, (&result.quality()).into(), "out_quality") }
-    })
+    access::fill(
+        (result, "result"),
+        (out_quality, "out_quality"),
+        error,
+        |result: &ReshapingResult| Ok((&result.quality()).into()),
+    )
 }
 
 /// Frees a result. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_reshaping_result_free(result: *mut MlgReshapingResult) {
-    guard_or((), || {
-        handles::free::<ReshapingResult, _>(result);
-        Ok(())
-    });
+    access::free::<ReshapingResult, _>(result);
 }

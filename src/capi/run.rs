@@ -11,7 +11,7 @@ use super::boundary::{
     Failure, MlgError, MlgStatus, Outcome, guard, guard_or, panicked, write_text,
 };
 use super::buffers::{self, Versioned};
-use super::handles;
+use super::{access, handles};
 use crate::run::Run;
 use crate::threads::thread_pool;
 
@@ -188,8 +188,7 @@ pub unsafe extern "C" fn mlg_run_poll(
     out_progress: *mut MlgProgress,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let object = handles::get::<RunObject, _>(run, "run")?;
+    access::fill((run, "run"), (out_progress, "out_progress"), error, |object: &RunObject| {
         let ended = object.end.wait(Some(Duration::ZERO));
         let now = object.run.progress();
         let mut progress = MlgProgress {
@@ -204,8 +203,7 @@ pub unsafe extern "C" fn mlg_run_poll(
             stage: [0; MLG_STAGE_SIZE],
         };
         write_text(&now.stage, &mut progress.stage);
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_progress, progress, "out_progress") }
+        Ok(progress)
     })
 }
 

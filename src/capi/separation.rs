@@ -4,13 +4,13 @@ use libc::c_char;
 use std::ptr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::result::{MlgReshapingResult, ReshapingResult};
 use super::run::{MlgRun, RunObject, hand_over};
 use super::separation_result::{MlgSeparationResult, SeparationResult};
+use super::{access, handles};
 use crate::mesh::TetMesh;
 use crate::run::Run;
 use crate::separate::{Body, Obstacle, Options, separate};
@@ -222,16 +222,11 @@ pub unsafe extern "C" fn mlg_separation_start(
     out_run: *mut *mut MlgRun,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_run, "out_run")?;
+    access::make((out_run, "out_run"), error, || {
         let scene = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        let run = RunObject::start("a separation", thread_count, move |run| {
-            scene.compute(&options, run)
-        })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+        RunObject::start("a separation", thread_count, move |run| scene.compute(&options, run))
     })
 }
 
@@ -257,22 +252,16 @@ pub unsafe extern "C" fn mlg_separation_run(
     out_result: *mut *mut MlgSeparationResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_result, "out_result")?;
+    access::make((out_result, "out_result"), error, || {
         let scene = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        let result = thread_pool(thread_count)?.install(|| scene.compute(&options, &Run::new()))?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_result, handles::give(result), "out_result") }
+        thread_pool(thread_count)?.install(|| scene.compute(&options, &Run::new()))
     })
 }
 
 /// Frees a separation. NULL and handles freed already are allowed. Runs started from it go on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_separation_free(problem: *mut MlgSeparation) {
-    guard_or((), || {
-        handles::free::<ProblemObject, _>(problem);
-        Ok(())
-    });
+    access::free::<ProblemObject, _>(problem);
 }

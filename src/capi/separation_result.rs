@@ -2,9 +2,9 @@
 
 use libc::c_char;
 
-use super::boundary::{MlgError, MlgStatus, guard, guard_or, lent, name_of};
+use super::access;
+use super::boundary::{MlgError, MlgStatus, name_of};
 use super::buffers::{self, Versioned};
-use super::handles;
 use crate::job::{MovedBody, OverlapLine, SeparationReport};
 use crate::separate::{Body, Ending, Obstacle, Separation};
 
@@ -177,11 +177,8 @@ pub unsafe extern "C" fn mlg_separation_result_points(
     body: usize,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<SeparationResult, _>(result, "result")?;
-        let points = buffers::entry(&result.separation.surface_points, body, "body")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(points, out_count) })
+    access::lend_some(result, out_count, |result: &SeparationResult| {
+        result.separation.surface_points.get(body).map(Vec::as_slice)
     })
 }
 
@@ -192,11 +189,8 @@ pub unsafe extern "C" fn mlg_separation_result_tet_points(
     body: usize,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let result = handles::get::<SeparationResult, _>(result, "result")?;
-        let points = buffers::entry(&result.separation.tet_points, body, "body")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(points, out_count) })
+    access::lend_some(result, out_count, |result: &SeparationResult| {
+        result.separation.tet_points.get(body).map(Vec::as_slice)
     })
 }
 
@@ -207,11 +201,12 @@ pub unsafe extern "C" fn mlg_separation_result_summary(
     out_summary: *mut MlgSeparationSummary,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<SeparationResult, _>(result, "result")?;
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_summary, result.summary(), "out_summary") }
-    })
+    access::fill(
+        (result, "result"),
+        (out_summary, "out_summary"),
+        error,
+        |result: &SeparationResult| Ok(result.summary()),
+    )
 }
 
 /// Tells about a pair of surfaces that overlap or did, a number from 0 below `overlap_count` in the
@@ -223,12 +218,16 @@ pub unsafe extern "C" fn mlg_separation_result_overlap(
     out_overlap: *mut MlgOverlap,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<SeparationResult, _>(result, "result")?;
-        let found = result.overlap(buffers::entry(&result.report.overlaps, overlap, "overlap")?);
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_overlap, found, "out_overlap") }
-    })
+    access::fill(
+        (result, "result"),
+        (out_overlap, "out_overlap"),
+        error,
+        |result: &SeparationResult| {
+            let found =
+                result.overlap(buffers::entry(&result.report.overlaps, overlap, "overlap")?);
+            Ok(found)
+        },
+    )
 }
 
 /// Tells what was done to a body, a number from 0. `out_body`: its `struct_size` must be set.
@@ -239,19 +238,14 @@ pub unsafe extern "C" fn mlg_separation_result_body(
     out_body: *mut MlgSeparatedBody,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<SeparationResult, _>(result, "result")?;
+    access::fill((result, "result"), (out_body, "out_body"), error, |result: &SeparationResult| {
         let found = body_of(buffers::entry(&result.report.bodies, body, "body")?);
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_body, found, "out_body") }
+        Ok(found)
     })
 }
 
 /// Frees a result. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_separation_result_free(result: *mut MlgSeparationResult) {
-    guard_or((), || {
-        handles::free::<SeparationResult, _>(result);
-        Ok(())
-    });
+    access::free::<SeparationResult, _>(result);
 }

@@ -3,10 +3,10 @@
 use libc::c_char;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
-use super::{buffers, handles};
+use super::{access, buffers, handles};
 use crate::job::{
     left_out, read_shape_model, same_bones, shape_in_place, skeleton_build::skeleton_document,
     write_shape_model,
@@ -55,15 +55,12 @@ pub unsafe extern "C" fn mlg_shape_model_fit(
     out_model: *mut *mut MlgShapeModel,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_model, "out_model")?;
+    access::make((out_model, "out_model"), error, || {
         let template = handles::get::<SkeletonObject, _>(template_skeleton, "template_skeleton")?;
         // SAFETY: the caller's promise (see the module).
         let samples = unsafe { samples_of(&template, samples, sample_count)? };
         let model = ShapeModel::fit(&template.skeleton, &samples)?;
-        let handle = handles::give(ModelObject::new(template, model));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_model, handle, "out_model") }
+        Ok(ModelObject::new(template, model))
     })
 }
 
@@ -124,15 +121,12 @@ pub unsafe extern "C" fn mlg_shape_model_load(
     out_model: *mut *mut MlgShapeModel,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_model, "out_model")?;
+    access::make((out_model, "out_model"), error, || {
         let template = handles::get::<SkeletonObject, _>(template_skeleton, "template_skeleton")?;
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::path(path, "path")? };
         let model = read_shape_model(&template.skeleton, &path)?;
-        let handle = handles::give(ModelObject::new(template, model));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_model, handle, "out_model") }
+        Ok(ModelObject::new(template, model))
     })
 }
 
@@ -159,11 +153,7 @@ pub unsafe extern "C" fn mlg_shape_model_deviations(
     model: *const MlgShapeModel,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let model = handles::get::<ModelObject, _>(model, "model")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&model.deviations, out_count) })
-    })
+    access::lend(model, out_count, |model: &ModelObject| &model.deviations)
 }
 
 /// The share of the variance in the first modes: `*out_count` numbers, rising to 1, as
@@ -173,11 +163,7 @@ pub unsafe extern "C" fn mlg_shape_model_explained(
     model: *const MlgShapeModel,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let model = handles::get::<ModelObject, _>(model, "model")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&model.explained, out_count) })
-    })
+    access::lend(model, out_count, |model: &ModelObject| &model.explained)
 }
 
 /// Makes a shape: a skeleton in the template's pose, its joints closed.
@@ -192,8 +178,7 @@ pub unsafe extern "C" fn mlg_shape_model_shape(
     out_skeleton: *mut *mut MlgSkeleton,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_skeleton, "out_skeleton")?;
+    access::make((out_skeleton, "out_skeleton"), error, || {
         let object = handles::get::<ModelObject, _>(model, "model")?;
         // SAFETY: the caller's promise (see the module).
         let coefficients = unsafe { buffers::numbers(coefficients, count, "coefficients")? };
@@ -215,17 +200,12 @@ pub unsafe extern "C" fn mlg_shape_model_shape(
         document.units.clone_from(&template.document.units);
         document.frame.clone_from(&template.document.frame);
         let surfaces: Vec<Arc<Surface>> = template.surfaces.clone();
-        let handle = handles::give(SkeletonObject::new(document, skeleton, surfaces, &[]));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_skeleton, handle, "out_skeleton") }
+        Ok(SkeletonObject::new(document, skeleton, surfaces, &[]))
     })
 }
 
 /// Frees a model. NULL and handles freed already are allowed. Objects made from it stay valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_shape_model_free(model: *mut MlgShapeModel) {
-    guard_or((), || {
-        handles::free::<ModelObject, _>(model);
-        Ok(())
-    });
+    access::free::<ModelObject, _>(model);
 }

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion};
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
+use super::{access, handles};
 use crate::io::skeleton::{BoneEntry, FORMAT, JointEntry, SkeletonDocument, VERSION};
 use crate::job::skeleton_build::{build_skeleton, joint_entry};
 use crate::math::Mat3;
@@ -156,8 +156,7 @@ pub unsafe extern "C" fn mlg_skeleton_new(
     out_skeleton: *mut *mut MlgSkeleton,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_skeleton, "out_skeleton")?;
+    access::make((out_skeleton, "out_skeleton"), error, || {
         let no_bone =
             MlgBone { struct_size: size_of::<MlgBone>(), name: ptr::null(), surface: ptr::null() };
         // SAFETY: the caller's promise (see the module).
@@ -183,9 +182,7 @@ pub unsafe extern "C" fn mlg_skeleton_new(
         }
         let meshes = surfaces.iter().map(|s| s.mesh.clone()).collect();
         let skeleton = build_skeleton(&document, meshes)?;
-        let handle = handles::give(SkeletonObject::new(document, skeleton, surfaces, &[]));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_skeleton, handle, "out_skeleton") }
+        Ok(SkeletonObject::new(document, skeleton, surfaces, &[]))
     })
 }
 
@@ -266,10 +263,7 @@ pub(super) fn matrix_of(frame: &Isometry3<f64>) -> [f64; 16] {
 /// Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_skeleton_free(skeleton: *mut MlgSkeleton) {
-    guard_or((), || {
-        handles::free::<SkeletonObject, _>(skeleton);
-        Ok(())
-    });
+    access::free::<SkeletonObject, _>(skeleton);
 }
 
 #[cfg(test)]

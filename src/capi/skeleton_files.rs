@@ -5,10 +5,10 @@ use std::path::Path;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, guard, guard_or};
+use super::boundary::{Failure, MlgError, MlgStatus, guard};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
-use super::{buffers, handles};
+use super::{access, buffers, handles};
 use crate::error::Result;
 use crate::io::gltf::write_glb;
 use crate::io::{file_name, write_beside, write_surface};
@@ -28,13 +28,11 @@ pub unsafe extern "C" fn mlg_skeleton_load(
     out_skeleton: *mut *mut MlgSkeleton,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_skeleton, "out_skeleton")?;
+    access::make((out_skeleton, "out_skeleton"), error, || {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::path(path, "path")? };
         let object = if has_extension(&path, "osim") { load_osim(&path) } else { load(&path) };
-        // SAFETY: as above.
-        unsafe { buffers::write(out_skeleton, handles::give(object?), "out_skeleton") }
+        Ok(object?)
     })
 }
 
@@ -61,9 +59,7 @@ fn load_osim(path: &Path) -> Result<SkeletonObject> {
 /// skeleton is freed; empty if nothing was. NULL for a handle that is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_skeleton_notes(skeleton: *const MlgSkeleton) -> *const c_char {
-    guard_or(ptr::null(), || {
-        Ok(handles::get::<SkeletonObject, _>(skeleton, "skeleton")?.notes.as_ptr())
-    })
+    access::read_or(ptr::null(), skeleton, |skeleton: &SkeletonObject| skeleton.notes.as_ptr())
 }
 
 /// Writes a skeleton: a name that ends in `.json` takes the skeleton file, with the bones as `.obj`

@@ -4,21 +4,21 @@ use libc::c_char;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::skeleton::{MlgJoint, MlgSkeleton, SkeletonObject, matrix_of};
-use super::{buffers, handles};
+use super::{access, buffers, handles};
 use crate::math::Vec3;
 
 /// Number of bones; 0 for a handle that is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_skeleton_bone_count(skeleton: *const MlgSkeleton) -> usize {
-    guard_or(0, || Ok(object(skeleton)?.skeleton.bones.len()))
+    access::read_or(0, skeleton, |skeleton: &SkeletonObject| skeleton.skeleton.bones.len())
 }
 
 /// Number of joints; 0 for a handle that is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_skeleton_joint_count(skeleton: *const MlgSkeleton) -> usize {
-    guard_or(0, || Ok(object(skeleton)?.skeleton.joints.len()))
+    access::read_or(0, skeleton, |skeleton: &SkeletonObject| skeleton.skeleton.joints.len())
 }
 
 /// The name of a bone: UTF-8, borrowed until the skeleton is freed. NULL if `bone` is not below the
@@ -28,9 +28,8 @@ pub unsafe extern "C" fn mlg_skeleton_bone_name(
     skeleton: *const MlgSkeleton,
     bone: usize,
 ) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        Ok(object.bone_names.get(bone).map_or(ptr::null(), |n| n.as_ptr()))
+    access::read_or(ptr::null(), skeleton, |object: &SkeletonObject| {
+        object.bone_names.get(bone).map_or(ptr::null(), |n| n.as_ptr())
     })
 }
 
@@ -42,11 +41,9 @@ pub unsafe extern "C" fn mlg_skeleton_bone_points(
     bone: usize,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let object = object(skeleton)?;
-        let Some(bone) = object.skeleton.bones.get(bone) else { return Ok(ptr::null()) };
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&object.skeleton.points[bone.vertices.clone()], out_count) })
+    access::lend_some(skeleton, out_count, |object: &SkeletonObject| {
+        let range = object.skeleton.bones.get(bone)?.vertices.clone();
+        Some(&object.skeleton.points[range])
     })
 }
 
@@ -59,11 +56,8 @@ pub unsafe extern "C" fn mlg_skeleton_bone_triangles(
     bone: usize,
     out_count: *mut usize,
 ) -> *const u32 {
-    lent(out_count, || {
-        let object = object(skeleton)?;
-        let Some(surface) = object.surfaces.get(bone) else { return Ok(ptr::null()) };
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&surface.mesh.triangles, out_count) })
+    access::lend_some(skeleton, out_count, |object: &SkeletonObject| {
+        Some(&object.surfaces.get(bone)?.mesh.triangles[..])
     })
 }
 
@@ -75,11 +69,7 @@ pub unsafe extern "C" fn mlg_skeleton_points(
     skeleton: *const MlgSkeleton,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let object = object(skeleton)?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&object.skeleton.points, out_count) })
-    })
+    access::lend(skeleton, out_count, |object: &SkeletonObject| &object.skeleton.points)
 }
 
 /// Tells all about a joint, its frames included. `out_joint`: its `struct_size` must be set.
@@ -124,11 +114,7 @@ pub unsafe extern "C" fn mlg_skeleton_angles(
     skeleton: *const MlgSkeleton,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let object = object(skeleton)?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&object.angles, out_count) })
-    })
+    access::lend(skeleton, out_count, |object: &SkeletonObject| &object.angles)
 }
 
 /// The name of an angle: UTF-8, borrowed until the skeleton is freed. NULL if `angle` is not below
@@ -138,9 +124,8 @@ pub unsafe extern "C" fn mlg_skeleton_angle_name(
     skeleton: *const MlgSkeleton,
     angle: usize,
 ) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let object = object(skeleton)?;
-        Ok(object.angle_names.get(angle).map_or(ptr::null(), |n| n.as_ptr()))
+    access::read_or(ptr::null(), skeleton, |object: &SkeletonObject| {
+        object.angle_names.get(angle).map_or(ptr::null(), |n| n.as_ptr())
     })
 }
 

@@ -4,11 +4,11 @@ use std::ffi::{CString, c_char};
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::run::{MlgRun, RunObject, hand_over};
+use super::{access, handles};
 use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TetQuality};
 use crate::run::Run;
@@ -171,15 +171,12 @@ pub unsafe extern "C" fn mlg_tetrahedralization_run(
     out_tets: *mut *mut MlgTetrahedralization,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_tets, "out_tets")?;
+    access::make((out_tets, "out_tets"), error, || {
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         // SAFETY: the caller's promise (see the module).
         let options = unsafe { options_of(options)? };
         let made = tetrahedralize(&surface.mesh, &options, &Run::new())?;
-        let handle = handles::give(Carried::new(surface, made));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_tets, handle, "out_tets") }
+        Ok(Carried::new(surface, made))
     })
 }
 
@@ -192,8 +189,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_start(
     out_run: *mut *mut MlgRun,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_run, "out_run")?;
+    access::make((out_run, "out_run"), error, || {
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         // SAFETY: the caller's promise (see the module).
         let options = unsafe { options_of(options)? };
@@ -201,8 +197,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_start(
             let made = tetrahedralize(&surface.mesh, &options, run)?;
             Ok(Carried::new(surface, made))
         })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_run, handles::give(run), "out_run") }
+        Ok(run)
     })
 }
 
@@ -229,14 +224,12 @@ pub unsafe extern "C" fn mlg_tetrahedralization_from_tets(
     out_tets: *mut *mut MlgTetrahedralization,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_tets, "out_tets")?;
+    access::make((out_tets, "out_tets"), error, || {
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         let tets = TetMesh::clone(&*handles::get::<TetMesh, _>(tets, "tets")?);
         let given = given_tets(tets, &surface.mesh, "the caller".into())?;
         let carried = Carried::new(surface, given);
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_tets, handles::give(carried), "out_tets") }
+        Ok(carried)
     })
 }
 
@@ -247,11 +240,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_points(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let carried = handles::get::<Carried, _>(tets, "tets")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&carried.tets.points, out_count) })
-    })
+    access::lend(tets, out_count, |carried: &Carried| &carried.tets.points)
 }
 
 /// The tets: `4 * *out_count` vertex indices, borrowed until the object is freed. NULL for a handle
@@ -261,11 +250,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_tets(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const u32 {
-    lent(out_count, || {
-        let carried = handles::get::<Carried, _>(tets, "tets")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&carried.tets.tets, out_count) })
-    })
+    access::lend(tets, out_count, |carried: &Carried| &carried.tets.tets)
 }
 
 /// The share of each tet that is inside the surface, 0 to 1: `*out_count` numbers, one per tet,
@@ -276,18 +261,14 @@ pub unsafe extern "C" fn mlg_tetrahedralization_inside_fractions(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let carried = handles::get::<Carried, _>(tets, "tets")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&carried.inside_fraction, out_count) })
-    })
+    access::lend(tets, out_count, |carried: &Carried| &carried.inside_fraction)
 }
 
 /// What made the tets: `MLG_TETS_TETGEN`, `MLG_TETS_LATTICE` or `MLG_TETS_GIVEN`; UINT32_MAX for a
 /// handle that is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tetrahedralization_method(tets: *const MlgTetrahedralization) -> u32 {
-    guard_or(u32::MAX, || Ok(handles::get::<Carried, _>(tets, "tets")?.method))
+    access::read_or(u32::MAX, tets, |carried: &Carried| carried.method)
 }
 
 /// 1 if the surface's own triangles are the boundary of the tets, else 0.
@@ -295,7 +276,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_method(tets: *const MlgTetrahedr
 pub unsafe extern "C" fn mlg_tetrahedralization_boundary_kept(
     tets: *const MlgTetrahedralization,
 ) -> u32 {
-    guard_or(0, || Ok(u32::from(handles::get::<Carried, _>(tets, "tets")?.boundary_kept)))
+    access::read_or(0, tets, |tets: &Carried| u32::from(tets.boundary_kept))
 }
 
 /// Number of warnings.
@@ -303,7 +284,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_boundary_kept(
 pub unsafe extern "C" fn mlg_tetrahedralization_warning_count(
     tets: *const MlgTetrahedralization,
 ) -> usize {
-    guard_or(0, || Ok(handles::get::<Carried, _>(tets, "tets")?.warnings.len()))
+    access::read_or(0, tets, |tets: &Carried| tets.warnings.len())
 }
 
 /// One warning: a sentence in UTF-8, borrowed until the object is freed. NULL if `index` is not
@@ -313,9 +294,8 @@ pub unsafe extern "C" fn mlg_tetrahedralization_warning(
     tets: *const MlgTetrahedralization,
     index: usize,
 ) -> *const c_char {
-    guard_or(ptr::null(), || {
-        let carried = handles::get::<Carried, _>(tets, "tets")?;
-        Ok(carried.warnings.get(index).map_or(ptr::null(), |w| w.as_ptr()))
+    access::read_or(ptr::null(), tets, |carried: &Carried| {
+        carried.warnings.get(index).map_or(ptr::null(), |w| w.as_ptr())
     })
 }
 
@@ -326,19 +306,14 @@ pub unsafe extern "C" fn mlg_tetrahedralization_quality(
     out_quality: *mut MlgTetQuality,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let carried = handles::get::<Carried, _>(tets, "tets")?;
+    access::fill((tets, "tets"), (out_quality, "out_quality"), error, |carried: &Carried| {
         let quality = TetQuality::of_mesh(&carried.tets);
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_quality, (&quality).into(), "out_quality") }
+        Ok((&quality).into())
     })
 }
 
 /// Frees tets. NULL and handles freed already are allowed. Objects made from it stay valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tetrahedralization_free(tets: *mut MlgTetrahedralization) {
-    guard_or((), || {
-        handles::free::<Carried, _>(tets);
-        Ok(())
-    });
+    access::free::<Carried, _>(tets);
 }

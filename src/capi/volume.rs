@@ -3,10 +3,10 @@
 use libc::c_char;
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, guard_or, lent};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::mesh::{MlgTriMesh, Surface};
+use super::{access, handles};
 use crate::io::{VolumeFile, read_volume};
 use crate::math::Vec3;
 use crate::math::polyline::Polyline;
@@ -96,12 +96,9 @@ pub unsafe extern "C" fn mlg_volume_load(
     out_volume: *mut *mut MlgVolume,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_volume, "out_volume")?;
+    access::make((out_volume, "out_volume"), error, || {
         // SAFETY: the caller's promise (see the module).
-        let file = read_volume(&unsafe { buffers::path(path, "path")? })?;
-        // SAFETY: as above.
-        unsafe { buffers::write(out_volume, handles::give(file), "out_volume") }
+        Ok(read_volume(&unsafe { buffers::path(path, "path")? })?)
     })
 }
 
@@ -112,8 +109,7 @@ pub unsafe extern "C" fn mlg_volume_info(
     out_info: *mut MlgVolumeInfo,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let file = handles::get::<VolumeFile, _>(volume, "volume")?;
+    access::fill((volume, "volume"), (out_info, "out_info"), error, |file: &VolumeFile| {
         let volume = &file.volume;
         let (map, origin) = (volume.world_from_voxel(), volume.origin());
         let corners = volume.corners();
@@ -130,8 +126,7 @@ pub unsafe extern "C" fn mlg_volume_info(
             box_low: corners.iter().fold(corners[0], |low, c| low.inf(c)).into(),
             box_high: corners.iter().fold(corners[0], |high, c| high.sup(c)).into(),
         };
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_info, info, "out_info") }
+        Ok(info)
     })
 }
 
@@ -167,8 +162,7 @@ pub unsafe extern "C" fn mlg_volume_plane(
     out_plane: *mut MlgSlicePlane,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let file = handles::get::<VolumeFile, _>(volume, "volume")?;
+    access::fill((volume, "volume"), (out_plane, "out_plane"), error, |file: &VolumeFile| {
         // SAFETY: the caller's promise (see the module).
         let view = unsafe { view(axis)? };
         let pixel = if pixel == 0.0 { None } else { Some(pixel) };
@@ -181,8 +175,7 @@ pub unsafe extern "C" fn mlg_volume_plane(
             width: plane.width,
             height: plane.height,
         };
-        // SAFETY: as above.
-        unsafe { buffers::fill(out_plane, plane, "out_plane") }
+        Ok(plane)
     })
 }
 
@@ -240,10 +233,7 @@ pub unsafe extern "C" fn mlg_volume_slice(
 /// Frees an image. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_volume_free(volume: *mut MlgVolume) {
-    guard_or((), || {
-        handles::free::<VolumeFile, _>(volume);
-        Ok(())
-    });
+    access::free::<VolumeFile, _>(volume);
 }
 
 /// The lines along which a plane cuts a surface. Free with `mlg_polylines_free`.
@@ -260,8 +250,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_section(
     out_lines: *mut *mut MlgPolylines,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_lines, "out_lines")?;
+    access::make((out_lines, "out_lines"), error, || {
         let surface = handles::get::<Surface, _>(mesh, "mesh")?;
         // SAFETY: the caller's promise (see the module).
         let point = unsafe { vector(plane_point, "plane_point")? };
@@ -282,8 +271,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_section(
             let triangles = surface.mesh.triangles.clone();
             plane_section(&TriMesh { points, triangles }, &point, &normal)
         };
-        // SAFETY: as above.
-        unsafe { buffers::write(out_lines, handles::give(Lines::new(&lines)), "out_lines") }
+        Ok(Lines::new(&lines))
     })
 }
 
@@ -295,11 +283,7 @@ pub unsafe extern "C" fn mlg_polylines_points(
     lines: *const MlgPolylines,
     out_count: *mut usize,
 ) -> *const f64 {
-    lent(out_count, || {
-        let lines = handles::get::<Lines, _>(lines, "lines")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&lines.points, out_count) })
-    })
+    access::lend(lines, out_count, |lines: &Lines| &lines.points)
 }
 
 /// Where each line begins among the points, and at the end their number: `*out_count` is one more
@@ -309,11 +293,7 @@ pub unsafe extern "C" fn mlg_polylines_starts(
     lines: *const MlgPolylines,
     out_count: *mut usize,
 ) -> *const usize {
-    lent(out_count, || {
-        let lines = handles::get::<Lines, _>(lines, "lines")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&lines.starts, out_count) })
-    })
+    access::lend(lines, out_count, |lines: &Lines| &lines.starts)
 }
 
 /// For each line 1 if its last point is joined to its first, else 0. Borrowed until the lines are
@@ -323,20 +303,13 @@ pub unsafe extern "C" fn mlg_polylines_closed(
     lines: *const MlgPolylines,
     out_count: *mut usize,
 ) -> *const u8 {
-    lent(out_count, || {
-        let lines = handles::get::<Lines, _>(lines, "lines")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(&lines.closed, out_count) })
-    })
+    access::lend(lines, out_count, |lines: &Lines| &lines.closed)
 }
 
 /// Frees lines. NULL and handles freed already are allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_polylines_free(lines: *mut MlgPolylines) {
-    guard_or((), || {
-        handles::free::<Lines, _>(lines);
-        Ok(())
-    });
+    access::free::<Lines, _>(lines);
 }
 
 unsafe fn vector(pointer: *const f64, name: &str) -> Outcome<Vec3> {

@@ -4,10 +4,10 @@ use std::ptr;
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::markers::{Markers, MlgMarkers};
 use super::mesh::{MlgTriMesh, Surface};
 use super::volume::{Lines, MlgPolylines, MlgSlicePlane, MlgVolume, plane_of, view_along};
+use super::{access, handles};
 use crate::io::{Marker, VolumeFile};
 use crate::mesh::TriMesh;
 use crate::volume::{Clicks, View, label_markers, label_surface, outlines};
@@ -72,14 +72,12 @@ pub unsafe extern "C" fn mlg_volume_outlines(
     out_lines: *mut *mut MlgPolylines,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_lines, "out_lines")?;
+    access::make((out_lines, "out_lines"), error, || {
         let file = handles::get::<VolumeFile, _>(labels, "labels")?;
         // SAFETY: the caller's promise (see the module).
         let plane = unsafe { plane_of(plane)? };
         let lines = Lines::new(&outlines(&file.volume, label, &plane));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_lines, handles::give(lines), "out_lines") }
+        Ok(lines)
     })
 }
 
@@ -110,8 +108,7 @@ pub unsafe extern "C" fn mlg_volume_label_markers(
     out_markers: *mut *mut MlgMarkers,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_markers, "out_markers")?;
+    access::make((out_markers, "out_markers"), error, || {
         let file = handles::get::<VolumeFile, _>(labels, "labels")?;
         // SAFETY: the caller's promise (see the module).
         let axes = unsafe { buffers::points(axes, axis_count, "axes")? };
@@ -122,9 +119,7 @@ pub unsafe extern "C" fn mlg_volume_label_markers(
         let clicks = Clicks { every, spacing, jitter, seed };
         let points = label_markers(&file.volume, label, &views?, &clicks)?;
         let markers = points.into_iter().map(Marker::at).collect();
-        let handle = handles::give(Markers::new(markers));
-        // SAFETY: as above.
-        unsafe { buffers::write(out_markers, handle, "out_markers") }
+        Ok(Markers::new(markers))
     })
 }
 
@@ -137,8 +132,7 @@ pub unsafe extern "C" fn mlg_volume_label_surface(
     out_mesh: *mut *mut MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_mesh, "out_mesh")?;
+    access::make((out_mesh, "out_mesh"), error, || {
         let file = handles::get::<VolumeFile, _>(labels, "labels")?;
         let (points, triangles) = label_surface(&file.volume, label).ok_or_else(|| {
             Failure::invalid(format!(
@@ -146,9 +140,7 @@ pub unsafe extern "C" fn mlg_volume_label_surface(
             ))
         })?;
         let mesh = TriMesh::new(points, triangles)?;
-        let handle = handles::give(Surface { mesh, file: None });
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write(out_mesh, handle, "out_mesh") }
+        Ok(Surface { mesh, file: None })
     })
 }
 

@@ -2,9 +2,9 @@
 
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard, lent};
+use super::access;
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
-use super::handles;
 use super::volume::MlgVolume;
 use crate::io::VolumeFile;
 use crate::math::{Mat3, Vec3};
@@ -84,8 +84,7 @@ pub unsafe extern "C" fn mlg_volume_new(
     out_volume: *mut *mut MlgVolume,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        buffers::check_out(out_volume, "out_volume")?;
+    access::make((out_volume, "out_volume"), error, || {
         buffers::check_out(grid, "grid")?;
         // SAFETY: the caller's promise (see the module).
         let grid = unsafe { buffers::options(grid, DEFAULTS)? };
@@ -93,9 +92,7 @@ pub unsafe extern "C" fn mlg_volume_new(
         // SAFETY: as above.
         let values = unsafe { buffers::list(values, voxel_count(grid.size)?, "values")? };
         let volume = Volume::new(grid.size, values, steps, origin)?;
-        let handle = handles::give(VolumeFile { volume, format: "memory", notes: Vec::new() });
-        // SAFETY: as above.
-        unsafe { buffers::write(out_volume, handle, "out_volume") }
+        Ok(VolumeFile { volume, format: "memory", notes: Vec::new() })
     })
 }
 
@@ -106,9 +103,5 @@ pub unsafe extern "C" fn mlg_volume_values(
     volume: *const MlgVolume,
     out_count: *mut usize,
 ) -> *const f32 {
-    lent(out_count, || {
-        let file = handles::get::<VolumeFile, _>(volume, "volume")?;
-        // SAFETY: the caller's promise (see the module); the list lives in the table.
-        Ok(unsafe { buffers::lend(file.volume.values(), out_count) })
-    })
+    access::lend(volume, out_count, |file: &VolumeFile| file.volume.values())
 }
