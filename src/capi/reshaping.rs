@@ -134,9 +134,9 @@ pub unsafe extern "C" fn mlg_reshaping_new(
         let carried = handles::get::<Carried, _>(template_tets, "template_tets")?;
         let problem = Problem::new(
             carried.surface.mesh.clone(),
-            carried.tets.clone(),
-            carried.embedding.clone(),
-            carried.inside_fraction.clone(),
+            carried.tets.mesh.clone(),
+            carried.tets.embedding.clone(),
+            carried.tets.inside_fraction.clone(),
         );
         Ok(ProblemObject(Mutex::new(problem)))
     })

@@ -9,7 +9,6 @@ use super::buffers::{self, Versioned};
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::run::{MlgRun, RunObject, hand_over};
 use super::{access, handles};
-use crate::locate::Embedding;
 use crate::mesh::{TetMesh, TetQuality};
 use crate::run::Run;
 use crate::tetrahedralize::{
@@ -92,32 +91,15 @@ impl From<&TetQuality> for MlgTetQuality {
 /// A surface and what carries it.
 pub(super) struct Carried {
     pub surface: Arc<Surface>,
-    pub tets: TetMesh,
-    pub embedding: Embedding,
-    pub inside_fraction: Vec<f64>,
-    method: u32,
-    boundary_kept: bool,
+    pub tets: Tetrahedralization,
     warnings: Vec<CString>,
 }
 
 impl Carried {
-    fn new(surface: Arc<Surface>, made: Tetrahedralization) -> Self {
-        let method = match made.used {
-            Used::TetGen => MLG_TETS_TETGEN,
-            Used::Lattice => MLG_TETS_LATTICE,
-            Used::Given(_) => MLG_TETS_GIVEN,
-        };
+    fn new(surface: Arc<Surface>, tets: Tetrahedralization) -> Self {
         // The sentences are our own and hold no zero; one that did would be lost, not cut.
-        let warnings = made.warnings.into_iter().filter_map(|w| CString::new(w).ok()).collect();
-        Self {
-            surface,
-            tets: made.mesh,
-            embedding: made.embedding,
-            inside_fraction: made.inside_fraction,
-            method,
-            boundary_kept: made.boundary_kept,
-            warnings,
-        }
+        let warnings = tets.warnings.iter().filter_map(|w| CString::new(w.as_str()).ok()).collect();
+        Self { surface, tets, warnings }
     }
 }
 
@@ -240,7 +222,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_points(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const f64 {
-    access::lend(tets, out_count, |carried: &Carried| &carried.tets.points)
+    access::lend(tets, out_count, |carried: &Carried| &carried.tets.mesh.points)
 }
 
 /// The tets: `4 * *out_count` vertex indices, borrowed until the object is freed. NULL for a handle
@@ -250,7 +232,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_tets(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const u32 {
-    access::lend(tets, out_count, |carried: &Carried| &carried.tets.tets)
+    access::lend(tets, out_count, |carried: &Carried| &carried.tets.mesh.tets)
 }
 
 /// The share of each tet that is inside the surface, 0 to 1: `*out_count` numbers, one per tet,
@@ -261,14 +243,18 @@ pub unsafe extern "C" fn mlg_tetrahedralization_inside_fractions(
     tets: *const MlgTetrahedralization,
     out_count: *mut usize,
 ) -> *const f64 {
-    access::lend(tets, out_count, |carried: &Carried| &carried.inside_fraction)
+    access::lend(tets, out_count, |carried: &Carried| &carried.tets.inside_fraction)
 }
 
 /// What made the tets: `MLG_TETS_TETGEN`, `MLG_TETS_LATTICE` or `MLG_TETS_GIVEN`; UINT32_MAX for a
 /// handle that is not valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_tetrahedralization_method(tets: *const MlgTetrahedralization) -> u32 {
-    access::read_or(u32::MAX, tets, |carried: &Carried| carried.method)
+    access::read_or(u32::MAX, tets, |carried: &Carried| match carried.tets.used {
+        Used::TetGen => MLG_TETS_TETGEN,
+        Used::Lattice => MLG_TETS_LATTICE,
+        Used::Given(_) => MLG_TETS_GIVEN,
+    })
 }
 
 /// 1 if the surface's own triangles are the boundary of the tets, else 0.
@@ -276,7 +262,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_method(tets: *const MlgTetrahedr
 pub unsafe extern "C" fn mlg_tetrahedralization_boundary_kept(
     tets: *const MlgTetrahedralization,
 ) -> u32 {
-    access::read_or(0, tets, |tets: &Carried| u32::from(tets.boundary_kept))
+    access::read_or(0, tets, |carried: &Carried| u32::from(carried.tets.boundary_kept))
 }
 
 /// Number of warnings.
@@ -284,7 +270,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_boundary_kept(
 pub unsafe extern "C" fn mlg_tetrahedralization_warning_count(
     tets: *const MlgTetrahedralization,
 ) -> usize {
-    access::read_or(0, tets, |tets: &Carried| tets.warnings.len())
+    access::read_or(0, tets, |carried: &Carried| carried.warnings.len())
 }
 
 /// One warning: a sentence in UTF-8, borrowed until the object is freed. NULL if `index` is not
@@ -307,7 +293,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_quality(
     error: *mut MlgError,
 ) -> MlgStatus {
     access::fill((tets, "tets"), (out_quality, "out_quality"), error, |carried: &Carried| {
-        let quality = TetQuality::of_mesh(&carried.tets);
+        let quality = TetQuality::of_mesh(&carried.tets.mesh);
         Ok((&quality).into())
     })
 }

@@ -58,12 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 fn print_object(object: &ObjectLine) {
-    let word = match object.status {
-        Some(Status::Good) => "good",
-        Some(Status::Doubtful) => "doubtful",
-        Some(Status::Failed) => "failed",
-        None => "not done",
-    };
+    let word = object.status.map_or("not done", Status::name);
     let kept = if object.kept { ", kept" } else { "" };
     println!("{}: {word}{kept}: {}", object.name, object.message);
     if let Some(f) = &object.figures {

@@ -18,13 +18,13 @@ pub fn run(job: &BatchJob) -> Result<ExitCode> {
     let mut code = 0;
     for case in &cases {
         let record = &case.record;
-        let (word, own) = match record.status {
-            Status::Good => ("good", 0),
-            Status::Doubtful => ("doubtful", super::GAVE_UP),
-            Status::Failed => ("failed", super::BAD_INPUT),
+        let own = match record.status {
+            Status::Good => 0,
+            Status::Doubtful => super::GAVE_UP,
+            Status::Failed => super::BAD_INPUT,
         };
         let kept = if case.kept { ", kept" } else { "" };
-        println!("{}: {word}{kept}: {}", record.name, record.message);
+        println!("{}: {}{kept}: {}", record.name, record.status.name(), record.message);
         // A failed case weighs more than a doubtful one.
         if own == super::BAD_INPUT || code == 0 {
             code = own;

@@ -43,11 +43,10 @@ impl StrainSmoothness {
             Carrier::Vertices => vertex_operator(body, tet_weight),
             Carrier::Tets => graph_operator(body),
         };
-        let mut grounded = operator.clone();
         for (v, m) in mass.iter().enumerate() {
             operator.values[pattern.col_ptr[v]] += kappa * m;
         }
-        grounded.values.clone_from(&operator.values);
+        let mut grounded = operator.clone();
         if kappa == 0.0 {
             // One pinned vertex makes L definite; exact for right-hand sides of mean zero.
             grounded.values[0] *= 2.0;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::text::Place;
 use super::{read_bytes, write_beside};
 use crate::error::{Error, Result};
 
@@ -63,25 +64,24 @@ pub fn parse_motion(bytes: &[u8], path: &Path) -> Result<MotionTable> {
     let names: Vec<String> = labels.map(String::from).collect();
     let mut table = MotionTable { names, ..MotionTable::default() };
     for (line, row) in lines.filter(|(_, row)| !row.is_empty()).take(MAX_ROWS) {
-        let (time, row) = parse_row(row, &table.names, in_degrees)
-            .map_err(|message| Error::parse(path, line, message))?;
+        let (time, row) = parse_row(row, &table.names, in_degrees, Place { path, line })?;
         table.times.push(time);
         table.rows.push(row);
     }
     Ok(table)
 }
 
-fn parse_row(row: &str, names: &[String], in_degrees: bool) -> Result<(f64, Vec<f64>), String> {
-    let mut values = Vec::with_capacity(names.len() + 1);
-    for word in row.split_whitespace() {
-        let value: f64 = word.parse().map_err(|_| format!("\"{word}\" is not a number"))?;
-        if !value.is_finite() {
-            return Err(format!("\"{word}\" is not a finite number"));
-        }
-        values.push(value);
-    }
-    if values.len() != names.len() + 1 {
-        return Err(format!("{} numbers in a row of {} columns", values.len(), names.len() + 1));
+fn parse_row(
+    row: &str,
+    names: &[String],
+    in_degrees: bool,
+    place: Place,
+) -> Result<(f64, Vec<f64>)> {
+    let values: Vec<f64> =
+        row.split_whitespace().map(|word| place.number(word, "a value")).collect::<Result<_>>()?;
+    let columns = names.len() + 1;
+    if values.len() != columns {
+        return Err(place.error(format!("{} numbers in a row of {columns} columns", values.len())));
     }
     let angles = values[1..].iter().zip(names).map(|(&value, name)| {
         if in_degrees && !is_length(name) { value.to_radians() } else { value }
@@ -134,7 +134,7 @@ mod tests {
         assert!(message("time a\n0 1").contains("endheader"));
         assert!(message(&WALK.replace("inDegrees=yes", "")).contains("inDegrees"));
         assert!(message(&WALK.replace("-45 1.6", "-45")).contains("line 10"));
-        assert!(message(&WALK.replace("-45", "x")).contains("\"x\""));
+        assert!(message(&WALK.replace("-45", "x")).contains("'x'"));
         assert!(message(&WALK.replace("-45", "nan")).contains("finite"));
     }
 }

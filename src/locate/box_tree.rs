@@ -255,25 +255,20 @@ impl BoxTree {
     }
 
     /// Calls `visit` for each item of a leaf whose box is within `distance` of `p`, in tree order.
-    pub fn visit_within(&self, p: &Vec3, distance: f64, mut visit: impl FnMut(u32)) {
+    pub fn visit_within(&self, p: &Vec3, distance: f64, visit: impl FnMut(u32)) {
         let limit = distance * distance * SLACK;
-        let mut stack: Vec<u32> = if self.nodes.is_empty() { vec![] } else { vec![0] };
-        while let Some(n) = stack.pop() {
-            if self.nodes[n as usize].bounds.distance_squared(p) > limit {
-                continue;
-            }
-            match self.node(n) {
-                Part::Inner([left, right]) => stack.extend([right, left]),
-                Part::Leaf(items) => items.iter().for_each(|&item| visit(item)),
-            }
-        }
+        self.visit(|bounds| bounds.distance_squared(p) > limit, visit);
     }
 
     /// Calls `visit` for each item of a leaf whose box meets `bounds`, in tree order.
-    pub fn visit_meeting(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+    pub fn visit_meeting(&self, bounds: &Bounds, visit: impl FnMut(u32)) {
+        self.visit(|own| !own.meets(bounds), visit);
+    }
+
+    fn visit(&self, is_beyond: impl Fn(&ShortBounds) -> bool, mut visit: impl FnMut(u32)) {
         let mut stack: Vec<u32> = if self.nodes.is_empty() { vec![] } else { vec![0] };
         while let Some(n) = stack.pop() {
-            if !self.nodes[n as usize].bounds.meets(bounds) {
+            if is_beyond(&self.nodes[n as usize].bounds) {
                 continue;
             }
             match self.node(n) {

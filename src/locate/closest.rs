@@ -101,19 +101,6 @@ impl ClosestPoints {
         points.par_iter().with_min_len(64).map(|p| self.closest(p)).collect()
     }
 
-    /// The triangles that have a point within `distance` of `p`, in ascending order.
-    pub fn triangles_within(&self, p: &Vec3, distance: f64) -> Vec<u32> {
-        let mut found = Vec::new();
-        self.tree.visit_within(p, distance, |t| {
-            let corners = self.corners(t);
-            if (at(&closest_on_triangle(p, corners), corners) - p).norm() <= distance {
-                found.push(t);
-            }
-        });
-        found.sort_unstable();
-        found
-    }
-
     fn closest_below(&self, p: &Vec3, limit_squared: f64) -> Option<SurfacePoint> {
         self.closest_of(p, limit_squared, |_| true)
     }
@@ -204,7 +191,6 @@ mod tests {
         let p = Vec3::new(0.0, 0.0, 1.5);
         assert!(closest.closest_within(&p, 0.4).is_none());
         assert!(closest.closest_within(&p, 0.5 + 1e-9).is_some());
-        assert_eq!(closest.triangles_within(&p, 0.5 + 1e-9).len(), 8);
         assert!(closest.closest(&Vec3::repeat(f64::NAN)).is_none());
         assert!(ClosestPoints::new(&[], &[]).closest(&p).is_none());
     }

@@ -94,6 +94,7 @@ fn count_voxels(mesh: &TriMesh, labels: &Volume, label: u32) -> [usize; 3] {
 mod tests {
     use super::*;
     use crate::math::Mat3;
+    use crate::mesh::test_shapes::cube;
 
     #[test]
     fn a_box_beside_a_shifted_box() {
@@ -103,24 +104,12 @@ mod tests {
         let values = (0..8000).map(|v| f32::from(u8::from(value(v)))).collect();
         let labels =
             Volume::new([20; 3], values, Mat3::identity() * 2.0, Vec3::repeat(1.0)).unwrap();
-        let corner = |k: u32| Vec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
-        let triangles = vec![
-            [0, 2, 3],
-            [0, 3, 1],
-            [4, 5, 7],
-            [4, 7, 6],
-            [0, 1, 5],
-            [0, 5, 4],
-            [2, 6, 7],
-            [2, 7, 3],
-            [1, 3, 7],
-            [1, 7, 5],
-            [0, 4, 6],
-            [0, 6, 2],
-        ];
         let at = |shift: f64| {
-            let place = |k| Vec3::repeat(10.0) + corner(k) * 20.0 + Vec3::x() * shift;
-            TriMesh::new((0..8).map(place).collect(), triangles.clone()).unwrap()
+            let mut mesh = cube();
+            for p in &mut mesh.points {
+                *p = Vec3::repeat(10.0) + *p * 20.0 + Vec3::x() * shift;
+            }
+            mesh
         };
         let same = LabelFit::new(&at(0.0), &labels, 1).unwrap();
         assert!((same.dice - 1.0).abs() < 1e-12 && (same.label_ml - 8.0).abs() < 1e-9);

@@ -71,13 +71,6 @@ pub fn vertex_neighbours<const N: usize>(vertex_count: usize, cells: &[[u32; N]]
     Lists::from_pairs(vertex_count, both.into_iter().map(|[a, b]| (a, b)))
 }
 
-/// The cells (triangles or tets) at each vertex, ascending.
-pub fn cells_at_vertices<const N: usize>(vertex_count: usize, cells: &[[u32; N]]) -> Lists {
-    let pairs =
-        cells.iter().enumerate().flat_map(|(c, cell)| cell.iter().map(move |&v| (v, c as u32)));
-    Lists::from_pairs(vertex_count, pairs)
-}
-
 /// The tet across each face of each tet (face k lies opposite to corner k); None at the boundary.
 /// Where more than two tets share a face, they are paired in ascending order.
 pub fn tet_neighbours(mesh: &TetMesh) -> Vec<[Option<u32>; 4]> {
@@ -180,7 +173,6 @@ mod tests {
         let around = vertex_neighbours(5, &mesh.tets);
         assert_eq!(around.of(0), [1, 2, 3]);
         assert_eq!(around.of(1), [0, 2, 3, 4]);
-        assert_eq!(cells_at_vertices(5, &mesh.tets).of(3), [0, 1]);
         let across = tet_neighbours(&mesh);
         assert_eq!(across[0], [Some(1), None, None, None]);
         assert_eq!(across[1].iter().filter(|n| **n == Some(0)).count(), 1);

@@ -5,6 +5,8 @@ pub mod normals;
 pub mod quality;
 pub mod section;
 pub mod surface;
+#[cfg(test)]
+pub(crate) mod test_shapes;
 mod tet_mesh;
 mod tri_mesh;
 

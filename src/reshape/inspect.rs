@@ -230,6 +230,7 @@ fn off_line(points: &[Vec3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::test_shapes::cube;
 
     /// All that [`Data`] refers to.
     struct Inputs {
@@ -242,12 +243,10 @@ mod tests {
 
     /// A box of 2 x 3 x 4 at (10, 20, 30), with markers near its corners.
     fn inputs() -> Inputs {
-        let corner = |k: u32| [10 + k % 2 * 2, 20 + k / 2 % 2 * 3, 30 + k / 4 * 4].map(f64::from);
-        let quads =
-            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        let points = (0..8).map(|k| corner(k).into()).collect();
-        let surface = TriMesh::new(points, triangles).unwrap();
+        let mut surface = cube();
+        for p in &mut surface.points {
+            *p = Vec3::new(10.0, 20.0, 30.0) + p.component_mul(&Vec3::new(2.0, 3.0, 4.0));
+        }
         Inputs {
             markers: surface.points.iter().cycle().take(16).map(|p| p * 1.01).collect(),
             surface,

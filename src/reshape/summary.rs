@@ -1,5 +1,7 @@
 //! What happened during a reshaping.
 
+use serde::Serialize;
+
 /// Why a reshaping ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stop {
@@ -17,7 +19,7 @@ pub enum Stop {
 }
 
 /// Where the run stood before one Gauss-Newton iteration. Lengths in the template's unit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct IterationRecord {
     /// Share of the markers' full weight.
     pub data_scale: f64,

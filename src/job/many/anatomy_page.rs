@@ -115,12 +115,8 @@ fn objects(report: &AnatomyReport) -> String {
 
 fn object(o: &ObjectLine, colour: Colour) -> Vec<String> {
     let [r, g, b] = colour.map(|c| (255.0 * c) as u8);
-    let (class, word) = match o.status {
-        Some(Status::Good) => ("good", "good"),
-        Some(Status::Doubtful) => ("doubtful", "doubtful"),
-        Some(Status::Failed) => ("failed", "failed"),
-        None => ("failed", "not done"),
-    };
+    let (class, word) =
+        o.status.map_or(("failed", "not done"), |status| (status.name(), status.name()));
     let name = escaped(&o.name);
     let kept = if o.kept { ", kept" } else { "" };
     let mut figures = vec![String::new(); 7];

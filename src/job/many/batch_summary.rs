@@ -55,7 +55,7 @@ fn table(cases: &[Case]) -> Result<Vec<u8>> {
     let head = ["case", "status"].into_iter().chain(figures.iter().copied()).chain(["message"]);
     out.write_record(head).map_err(failed)?;
     for Case { record, .. } in cases {
-        let mut row = vec![record.name.clone(), status(record.status).to_owned()];
+        let mut row = vec![record.name.clone(), record.status.name().to_owned()];
         row.extend(
             figures
                 .iter()
@@ -65,14 +65,6 @@ fn table(cases: &[Case]) -> Result<Vec<u8>> {
         out.write_record(row).map_err(failed)?;
     }
     out.into_inner().map_err(|e| Error::invalid(format!("the table cannot be written: {e}")))
-}
-
-fn status(status: Status) -> &'static str {
-    match status {
-        Status::Good => "good",
-        Status::Doubtful => "doubtful",
-        Status::Failed => "failed",
-    }
 }
 
 /// Surfaces of the same name and the same triangles, of two or more cases.
@@ -149,7 +141,7 @@ fn page(cases: &[Case], groups: &[Group]) -> String {
     columns.extend([Column::Number("s"), Column::Text("what to know")]);
     let row = |Case { record, kept }: &Case| {
         let name = escaped(&record.name);
-        let word = status(record.status);
+        let word = record.status.name();
         let link = match record.status {
             Status::Failed => name,
             _ => format!("<a href=\"{name}/report/report.html\">{name}</a>"),

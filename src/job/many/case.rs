@@ -34,6 +34,17 @@ pub enum Status {
     Failed,
 }
 
+impl Status {
+    /// Its name: good, doubtful, failed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Doubtful => "doubtful",
+            Self::Failed => "failed",
+        }
+    }
+}
+
 /// What a case's folder holds and where it comes from.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CaseRecord {

@@ -69,10 +69,10 @@ pub(crate) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Res
     }
     if let Some(path) = &job.tets_out {
         let points = course.rest_positions()?;
-        let rest = TetMesh { points, tets: course.filling.mesh.tets.clone() };
+        let rest = TetMesh { points, tets: course.problem.tets.tets.clone() };
         let mut reshaped = course.reshaped.clone();
         reshaped.plastic_strain = course.plastic_strain();
-        write_deformed_tets(path, &rest, &course.filling.inside_fraction, &reshaped)?;
+        write_deformed_tets(path, &rest, &course.problem.inside_fraction, &reshaped)?;
         written.push(path.clone());
     }
     let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));

@@ -73,10 +73,12 @@ struct Leg {
 /// A reshaping with all its legs.
 #[derive(Clone, Debug)]
 pub struct Course {
-    /// Tets of the last leg.
-    pub filling: Tetrahedralization,
-    /// Template, points and markers of the last leg.
+    /// Template, tets, points and markers of the last leg.
     pub problem: Problem,
+    /// What made the tets.
+    pub made_by: String,
+    /// What the user should know, one sentence each.
+    pub warnings: Vec<String>,
     /// Its result; the iterations are those of all legs.
     pub reshaped: Reshaped,
     /// Each re-mesh.
@@ -91,14 +93,14 @@ impl Course {
     pub fn run(
         job: &ReshapeJob,
         problem: Problem,
-        filling: Tetrahedralization,
+        made_by: String,
         options: &Options,
         run: &Run,
     ) -> Result<Self> {
-        let before = vec![Mat3::identity(); filling.mesh.tets.len()];
+        let before = vec![Mat3::identity(); problem.tets.tets.len()];
         let reshaped = reshape(&problem, options, run)?;
-        let (legs, remeshes) = (Vec::new(), Vec::new());
-        let mut course = Self { filling, problem, reshaped, remeshes, legs, before };
+        let (legs, remeshes, warnings) = (Vec::new(), Vec::new(), Vec::new());
+        let mut course = Self { problem, made_by, warnings, reshaped, remeshes, legs, before };
         let most = job.remesh.unwrap_or(MOST);
         while course.remeshes.len() < most && course.is_stuck(options) {
             // Whatever becomes of the next leg, the shape reached is not lost.
@@ -114,7 +116,7 @@ impl Course {
                 Ok(_) => "new tets did not lead on".to_owned(),
                 Err(failure) => format!("it could not be gone on with new tets: {failure}"),
             };
-            course.filling.warnings.push(note);
+            course.warnings.push(note);
             break;
         }
         Ok(course)
@@ -158,37 +160,36 @@ impl Course {
         let mut problem = self.problem.clone();
         problem.surface.points.clone_from(&self.reshaped.surface_points);
         let filling = fill_anew(job, &problem.surface, run)?;
-        problem.tets = filling.mesh.clone();
-        problem.embedding = filling.embedding.clone();
-        problem.inside_fraction.clone_from(&filling.inside_fraction);
         for pair in problem.landmarks.iter_mut().chain(&mut problem.attachments) {
             if let TemplatePoint::Position(p) = &mut pair.template {
-                *p = carry(&self.filling.mesh, &self.reshaped.tet_points, &[*p])?[0];
+                *p = carry(&self.problem.tets, &self.reshaped.tet_points, &[*p])?[0];
             }
         }
-        let centres: Vec<Vec3> = (0..filling.mesh.tets.len())
-            .map(|t| filling.mesh.corners(t).iter().sum::<Vec3>() / 4.0)
-            .collect();
+        let Tetrahedralization { mesh, embedding, inside_fraction, used, warnings, .. } = filling;
+        let centres: Vec<Vec3> =
+            (0..mesh.tets.len()).map(|t| mesh.corners(t).iter().sum::<Vec3>() / 4.0).collect();
         let so_far = self.gradients();
         let holders = Embedding::new(&self.now(), &centres)?.tets;
         let mut course = self.clone();
         course.before = holders.iter().map(|&t| so_far[t as usize]).collect();
         course
             .legs
-            .push(Leg { rest: self.filling.mesh.clone(), now: self.reshaped.tet_points.clone() });
+            .push(Leg { rest: self.problem.tets.clone(), now: self.reshaped.tet_points.clone() });
         course.remeshes.push(Remesh {
             iteration: self.reshaped.summary.iterations.len() - 1,
             before: Shapeliness::of(&self.now()),
-            after: Shapeliness::of(&filling.mesh),
-            tets: filling.mesh.tets.len(),
-            made_by: filling.used.to_string(),
+            after: Shapeliness::of(&mesh),
+            tets: mesh.tets.len(),
+            made_by: used.to_string(),
         });
-        Ok(Self { filling, problem, ..course })
+        (problem.tets, problem.embedding, problem.inside_fraction) =
+            (mesh, embedding, inside_fraction);
+        Ok(Self { problem, made_by: used.to_string(), warnings, ..course })
     }
 
     /// The last leg's tets in the person's shape.
     fn now(&self) -> TetMesh {
-        TetMesh { points: self.reshaped.tet_points.clone(), tets: self.filling.mesh.tets.clone() }
+        TetMesh { points: self.reshaped.tet_points.clone(), tets: self.problem.tets.tets.clone() }
     }
 
     /// Where points of the template went.
@@ -197,12 +198,12 @@ impl Course {
         for leg in &self.legs {
             points = carry(&leg.rest, &leg.now, &points)?;
         }
-        carry(&self.filling.mesh, &self.reshaped.tet_points, &points)
+        carry(&self.problem.tets, &self.reshaped.tet_points, &points)
     }
 
     /// Where the last leg's tet vertices are in the template.
     pub fn rest_positions(&self) -> Result<Vec<Vec3>> {
-        let mut points = self.filling.mesh.points.clone();
+        let mut points = self.problem.tets.points.clone();
         for leg in self.legs.iter().rev() {
             let now = TetMesh { points: leg.now.clone(), tets: leg.rest.tets.clone() };
             points = carry(&now, &leg.rest.points, &points)?;
@@ -212,7 +213,7 @@ impl Course {
 
     /// Deformation gradient of each of the last leg's tets, from the template to the person.
     pub fn gradients(&self) -> Vec<Mat3> {
-        let last = deformation_gradients(&self.filling.mesh, &self.reshaped.tet_points);
+        let last = deformation_gradients(&self.problem.tets, &self.reshaped.tet_points);
         last.iter().zip(&self.before).map(|(f, before)| f * before).collect()
     }
 
@@ -259,7 +260,7 @@ mod tests {
     /// Half axes of the person's ellipsoid.
     const AXES: Vec3 = Vec3::new(1.5, 1.0, 0.8);
 
-    fn ball_to_ellipsoid() -> (ReshapeJob, Problem, Tetrahedralization) {
+    fn ball_to_ellipsoid() -> (ReshapeJob, Problem) {
         let (points, triangles) = sphere(10, 16);
         let surface = TriMesh::new(points, triangles).unwrap();
         let job = ReshapeJob {
@@ -270,12 +271,11 @@ mod tests {
         let filling = crate::job::reshape::fill::fill(&job, &surface, &Run::new()).unwrap();
         let markers = surface.points.iter().map(|p| p.component_mul(&AXES));
         let markers = markers.map(|position| Marker { position, weight: 1.0 }).collect();
-        let filled = filling.clone();
         let problem = Problem {
             markers,
-            ..Problem::new(surface, filled.mesh, filled.embedding, filled.inside_fraction)
+            ..Problem::new(surface, filling.mesh, filling.embedding, filling.inside_fraction)
         };
-        (job, problem, filling)
+        (job, problem)
     }
 
     fn largest(a: &[Vec3], b: &[Vec3]) -> f64 {
@@ -285,12 +285,12 @@ mod tests {
 
     #[test]
     fn strain_and_points_survive_new_tets() {
-        let (job, problem, filling) = ball_to_ellipsoid();
+        let (job, problem) = ball_to_ellipsoid();
         let (options, run) = (Options::default(), Run::new());
         let template = problem.surface.points.clone();
         // Half way in the first leg: two iterations, then new tets.
         let short = Options { max_iterations: 2, ..options.clone() };
-        let first = Course::run(&job, problem, filling, &short, &run).unwrap();
+        let first = Course::run(&job, problem, String::new(), &short, &run).unwrap();
         let half_way = first.reshaped.summary.iterations.len();
         let second = first.fill_anew(&job, &run).unwrap().go_on(&options, &run).unwrap();
 
@@ -305,7 +305,7 @@ mod tests {
         // Points on the template go where its surface goes.
         let carried = second.carry(&template).unwrap();
         assert!(largest(&carried, &second.reshaped.surface_points) < 1e-9);
-        let back = second.filling.embedding.apply(&second.rest_positions().unwrap());
+        let back = second.problem.embedding.apply(&second.rest_positions().unwrap());
         assert!(largest(&back, &template) < 0.05, "{}", largest(&back, &template));
 
         // The whole change is told, not the last leg's.

@@ -10,7 +10,7 @@ use crate::job::report::stages::Stage;
 use crate::math::Vec3;
 use crate::measure::LabelFit;
 use crate::measure::Spread;
-use crate::reshape::Refinement;
+use crate::reshape::{IterationRecord, Refinement};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -22,21 +22,6 @@ pub enum Ending {
     GaveUp,
     /// The caller asked to stop; the result is the best shape so far.
     Interrupted,
-}
-
-/// One iteration of the solver. Lengths in the template's unit.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Iteration {
-    /// Share of the markers' full weight.
-    pub data_scale: f64,
-    /// Value of the objective.
-    pub objective: f64,
-    /// Mean distance of the markers.
-    pub mean_marker_distance: f64,
-    /// Largest distance of a marker.
-    pub max_marker_distance: f64,
-    /// Seconds since the start.
-    pub seconds: f64,
 }
 
 /// Something before and after the run.
@@ -109,7 +94,7 @@ pub struct Report {
     /// Ratio of the result's volume to the template's.
     pub volume_ratio: f64,
     /// Each iteration.
-    pub iterations: Vec<Iteration>,
+    pub iterations: Vec<IterationRecord>,
     /// Where new tets were made.
     pub remeshes: Vec<Remesh>,
     /// What the image added to the user's markers.

@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use super::remesh::Course;
-use super::report::{Change, Ending, Iteration, PairLine, Report, Shapes};
+use super::report::{Change, Ending, PairLine, Report, Shapes};
 use crate::error::Result;
 use crate::fem::{principal_stretches, stretches_of};
 use crate::math::{Mat3, Vec3, median};
@@ -33,8 +33,8 @@ pub struct Outcome {
 impl Outcome {
     /// Measures what the outputs need.
     pub fn new(inputs: &Inputs, options: &Options, course: Course) -> Self {
-        let filling = &course.filling;
-        let stretch = stretches_of(&course.gradients(), &filling.mesh, &filling.embedding);
+        let problem = &course.problem;
+        let stretch = stretches_of(&course.gradients(), &problem.tets, &problem.embedding);
         Self {
             markers: inputs.markers.iter().map(|m| m.position).collect(),
             tolerances: options.tolerances(&inputs.surface),
@@ -45,14 +45,14 @@ impl Outcome {
 
     /// The report, without stages and files.
     pub fn report(&self, inputs: &Inputs) -> Result<Report> {
-        let (filling, reshaped) = (&self.course.filling, &self.course.reshaped);
+        let (problem, reshaped) = (&self.course.problem, &self.course.reshaped);
         let summary = &reshaped.summary;
         let (ending, why) = ending(summary.stop);
         let distances = self.distances(inputs);
-        let inverted_tets = inverted(&filling.mesh, &reshaped.tet_points);
+        let inverted_tets = inverted(&problem.tets, &reshaped.tet_points);
         let now = &reshaped.tet_points;
-        let inside: Vec<usize> = (0..filling.mesh.tets.len())
-            .filter(|&t| filling.inside_fraction[t] >= INSIDE)
+        let inside: Vec<usize> = (0..problem.tets.tets.len())
+            .filter(|&t| problem.inside_fraction[t] >= INSIDE)
             .collect();
         let pairs = |list: &[Pair], tolerance: f64| {
             let positions: Vec<Vec3> = list.iter().map(|pair| pair.position).collect();
@@ -66,9 +66,9 @@ impl Outcome {
             why: why.to_owned(),
             warnings: [inputs.warnings.clone(), inverted_warning(inverted_tets)].concat(),
             vertices: inputs.surface.points.len(),
-            tet_vertices: filling.mesh.points.len(),
-            tets: filling.mesh.tets.len(),
-            tets_made_by: filling.used.to_string(),
+            tet_vertices: problem.tets.points.len(),
+            tets: problem.tets.tets.len(),
+            tets_made_by: self.course.made_by.clone(),
             markers: self.markers.len(),
             fixed: inputs.fixed.len(),
             iteration_count: summary.iterations.len().saturating_sub(1),
@@ -82,13 +82,13 @@ impl Outcome {
             landmarks: pairs(&inputs.landmarks, self.tolerances.landmark)?,
             attachments: pairs(&inputs.attachments, self.tolerances.attachment)?,
             min_dihedral_histogram: Change {
-                before: min_dihedrals(&filling.mesh, &filling.mesh.points, &inside),
-                after: min_dihedrals(&filling.mesh, now, &inside),
+                before: min_dihedrals(&problem.tets, &problem.tets.points, &inside),
+                after: min_dihedrals(&problem.tets, now, &inside),
             },
             inverted_tets,
             stretch_range: stretch_range(&self.course.gradients(), &inside),
             volume_ratio: moved.volume() / inputs.surface.volume(),
-            iterations: self.iterations(),
+            iterations: summary.iterations.clone(),
             remeshes: self.course.remeshes.clone(),
             refinement: None,
             label_fit: None,
@@ -115,19 +115,6 @@ impl Outcome {
             before: of(&inputs.surface.points),
             after: of(&self.course.reshaped.surface_points),
         }
-    }
-
-    fn iterations(&self) -> Vec<Iteration> {
-        let records = self.course.reshaped.summary.iterations.iter();
-        records
-            .map(|r| Iteration {
-                data_scale: r.data_scale,
-                objective: r.objective,
-                mean_marker_distance: r.mean_marker_distance,
-                max_marker_distance: r.max_marker_distance,
-                seconds: r.seconds,
-            })
-            .collect()
     }
 }
 

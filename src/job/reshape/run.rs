@@ -54,12 +54,13 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     }
     stages.end("reading");
     run.enter("filling with tets", 0.0);
-    let mut filling = fill(job, &inputs.surface, run)?;
-    inputs.warnings.append(&mut filling.warnings);
+    let filling = fill(job, &inputs.surface, run)?;
+    inputs.warnings.extend(filling.warnings.iter().cloned());
+    let made_by = filling.used.to_string();
     stages.end("tets");
-    let (problem, options) = (problem(&inputs, &filling), options(job, &inputs.surface));
-    let mut course = Course::run(job, problem, filling, &options, run)?;
-    inputs.warnings.append(&mut course.filling.warnings);
+    let (problem, options) = (problem(&inputs, filling), options(job, &inputs.surface));
+    let mut course = Course::run(job, problem, made_by, &options, run)?;
+    inputs.warnings.append(&mut course.warnings);
     stages.end("solver");
     let mut refinement = None;
     if job.refine == Some(true) && !run.is_cancelled() {
@@ -132,12 +133,12 @@ fn place(inputs: &mut Inputs, freedom: Freedom) -> Result<()> {
     Ok(())
 }
 
-fn problem(inputs: &Inputs, filling: &Tetrahedralization) -> Problem {
+fn problem(inputs: &Inputs, filling: Tetrahedralization) -> Problem {
     let mut problem = Problem::new(
         inputs.surface.clone(),
-        filling.mesh.clone(),
-        filling.embedding.clone(),
-        filling.inside_fraction.clone(),
+        filling.mesh,
+        filling.embedding,
+        filling.inside_fraction,
     );
     problem.markers = inputs
         .markers
