@@ -135,8 +135,12 @@ fn muscles_are_attached_reshaped_and_parted_and_a_broken_one_stops_no_other() {
         ["objects/lower/result.obj", "objects/upper/result.obj"].map(|n| person.result(n));
     assert!(cross(&lower, &upper), "there would be nothing to part");
     let separation = first.separation.as_ref().unwrap();
-    assert!(separation.separated, "{:?}", separation.overlaps);
-    assert!((separation.overlaps[0].depth[0] - DEPTH).abs() < 0.08, "{:?}", separation.overlaps);
+    assert!(separation.summary.separated, "{:?}", separation.summary.overlaps);
+    assert!(
+        (separation.summary.overlaps[0].depth[0] - DEPTH).abs() < 0.08,
+        "{:?}",
+        separation.summary.overlaps
+    );
     let [lower, upper] = ["separated/lower.obj", "separated/upper.obj"].map(|n| person.result(n));
     assert!(!cross(&lower, &upper) && !cross(&lower, &block(6, [3.65, 0.0, 0.0])));
     let end = lower.points.iter().map(|p| p.x).fold(f64::MIN, f64::max);

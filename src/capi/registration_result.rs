@@ -8,7 +8,7 @@ use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, handles};
-use crate::job::{registration_warnings, result_document};
+use crate::job::result_document;
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Registered, Verdict};
 
@@ -310,7 +310,7 @@ pub unsafe extern "C" fn mlg_registration_result_warnings(
 ) -> MlgStatus {
     guard(error, || {
         let result = object(result)?;
-        let text = registration_warnings(&result.template.skeleton, &result.registered).join("\n");
+        let text = result.registered.warnings(&result.template.skeleton).join("\n");
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
     })

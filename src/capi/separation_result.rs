@@ -5,8 +5,7 @@ use libc::c_char;
 use super::access;
 use super::boundary::{MlgError, MlgStatus, name_of};
 use super::buffers::{self, Versioned};
-use crate::job::{MovedBody, OverlapLine, SeparationReport};
-use crate::separate::{Body, Ending, Obstacle, Separation};
+use crate::separate::{Body, Ending, MovedBody, Obstacle, OverlapLine, Separation, Summary};
 
 /// Bodies that were pushed apart. Immutable; may be read from many threads.
 pub struct MlgSeparationResult;
@@ -100,7 +99,7 @@ unsafe impl Versioned for MlgSeparatedBody {}
 
 pub(super) struct SeparationResult {
     separation: Separation,
-    report: SeparationReport,
+    summary: Summary,
     /// Names of bodies, then obstacles.
     names: Vec<String>,
     seconds: f64,
@@ -115,7 +114,7 @@ impl SeparationResult {
     ) -> Self {
         let names = bodies.iter().map(|b| &b.name).chain(obstacles.iter().map(|o| &o.name));
         Self {
-            report: SeparationReport::new(bodies, obstacles, &separation),
+            summary: Summary::new(bodies, obstacles, &separation),
             names: names.cloned().collect(),
             separation,
             seconds,
@@ -131,9 +130,9 @@ impl SeparationResult {
         MlgSeparationSummary {
             struct_size: size_of::<MlgSeparationSummary>(),
             ending: ending as u32,
-            separated: u32::from(self.report.separated),
+            separated: u32::from(self.summary.separated),
             rounds: self.separation.rounds as u32,
-            overlap_count: self.report.overlaps.len() as u32,
+            overlap_count: self.summary.overlaps.len() as u32,
             seconds: self.seconds,
         }
     }
@@ -224,7 +223,7 @@ pub unsafe extern "C" fn mlg_separation_result_overlap(
         error,
         |result: &SeparationResult| {
             let found =
-                result.overlap(buffers::entry(&result.report.overlaps, overlap, "overlap")?);
+                result.overlap(buffers::entry(&result.summary.overlaps, overlap, "overlap")?);
             Ok(found)
         },
     )
@@ -239,7 +238,7 @@ pub unsafe extern "C" fn mlg_separation_result_body(
     error: *mut MlgError,
 ) -> MlgStatus {
     access::fill((result, "result"), (out_body, "out_body"), error, |result: &SeparationResult| {
-        let found = body_of(buffers::entry(&result.report.bodies, body, "body")?);
+        let found = body_of(buffers::entry(&result.summary.bodies, body, "body")?);
         Ok(found)
     })
 }

@@ -7,12 +7,10 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers, handles};
-use crate::job::{
-    left_out, read_shape_model, same_bones, shape_in_place, skeleton_build::skeleton_document,
-    write_shape_model,
-};
+use crate::job::skeleton_build::skeleton_document;
+use crate::job::{read_shape_model, write_shape_model};
 use crate::math::Vec3;
-use crate::register::ShapeModel;
+use crate::register::{ShapeModel, left_out, same_bones, shape_in_place};
 use crate::run::Run;
 
 /// Mean shape and modes of all bones of a template. Immutable; may be read from many threads.

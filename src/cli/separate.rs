@@ -20,8 +20,8 @@ pub fn run(job: &SeparateJob) -> Result<ExitCode> {
     for path in &report.written {
         println!("written: {}", path.display());
     }
-    Ok(ExitCode::from(match report.ending {
-        _ if report.separated => 0,
+    Ok(ExitCode::from(match report.summary.ending {
+        _ if report.summary.separated => 0,
         Ending::Cancelled => super::INTERRUPTED,
         _ => super::GAVE_UP,
     }))
@@ -29,11 +29,11 @@ pub fn run(job: &SeparateJob) -> Result<ExitCode> {
 
 /// The lines about overlaps and bodies.
 pub(super) fn print(report: &SeparationReport) {
-    for line in &report.overlaps {
+    for line in &report.summary.overlaps {
         let ([a, b], [before, after]) = (&line.between, line.depth);
         println!("{a} and {b}: overlap {before:.4} deep before, {after:.4} after");
     }
-    for body in &report.bodies {
+    for body in &report.summary.bodies {
         println!(
             "{}: {} of {} vertices moved, at most {:.4}; {} inverted tets",
             body.name, body.moved, body.vertices, body.largest_move, body.inverted_tets
@@ -54,13 +54,16 @@ pub(super) fn print(report: &SeparationReport) {
             );
         }
     }
-    println!("{} rounds, {:.1} s", report.rounds, report.seconds);
-    if report.separated {
+    println!("{} rounds, {:.1} s", report.summary.rounds, report.seconds);
+    if report.summary.separated {
         println!("No triangle of one surface crosses or lies inside another.");
     } else {
-        let left =
-            report.overlaps.iter().filter(|line| line.crossings[1] + line.vertices_inside[1] > 0);
-        let why = match report.ending {
+        let left = report
+            .summary
+            .overlaps
+            .iter()
+            .filter(|line| line.crossings[1] + line.vertices_inside[1] > 0);
+        let why = match report.summary.ending {
             Ending::Cancelled => "the run was interrupted",
             _ => "allow more --rings, or look whether the shapes contradict each other",
         };

@@ -25,13 +25,12 @@ pub use register::bone_landmarks::{BoneLandmarks, read_bone_landmarks};
 pub use register::bvh_motion::{bvh_of_motion, motion_of_bvh};
 pub use register::image_target::Measure;
 pub use register::model::{
-    ModelFitJob, ModelReport, ModelShapeJob, left_out, run_model_fit, run_model_shape, same_bones,
-    shape_in_place,
+    ModelFitJob, ModelReport, ModelShapeJob, run_model_fit, run_model_shape,
 };
 pub use register::model_file::{parse_shape_model, read_shape_model, write_shape_model};
 pub use register::motion_files::{read_motion, write_motion_file};
 pub use register::output::result_document;
-pub use register::report::{LandmarkSummary, RegisterReport, warnings as registration_warnings};
+pub use register::report::{LandmarkSummary, RegisterReport};
 pub use register::run::{RegisterResult, run_register};
 pub use register::scene::{metres_per_unit, scene};
 pub use register::skeleton_build;
@@ -47,6 +46,4 @@ pub use reshape::remesh::{Remesh, Shapeliness};
 pub use reshape::report::{Change, Ending, PairLine, Report, Shapes};
 pub use reshape::run::{JobResult, run_reshape};
 pub use reshape::spec::{Align, Gap, ReshapeJob};
-pub use separate::{
-    ContradictingMarker, MovedBody, OverlapLine, SeparateJob, SeparationReport, run_separate,
-};
+pub use separate::{SeparateJob, SeparationReport, run_separate};

@@ -1,6 +1,5 @@
 //! One separation from files to files.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -11,12 +10,9 @@ use crate::io::{
     DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_beside,
     write_ply, write_vtu,
 };
-use crate::locate::WindingNumber;
-use crate::math::Vec3;
-use crate::measure::{Spread, marker_distances};
 use crate::mesh::{TetMesh, TriMesh};
 use crate::run::Run;
-use crate::separate::{Body, Ending, Obstacle, Options, Overlap, Separation, separate};
+use crate::separate::{Body, Obstacle, Options, Separation, Summary, separate};
 
 /// All that describes one separation; also the flags of the command line. Lengths are in the
 /// bodies' unit.
@@ -46,145 +42,18 @@ pub struct SeparateJob {
     pub out: PathBuf,
 }
 
-/// Two surfaces that overlapped.
-#[derive(Clone, Debug, Serialize)]
-pub struct OverlapLine {
-    /// Names of the two.
-    pub between: [String; 2],
-    /// Depth of the deepest vertex before and after.
-    pub depth: [f64; 2],
-    /// Vertices inside the other before and after.
-    pub vertices_inside: [usize; 2],
-    /// Pairs of crossing triangles before and after.
-    pub crossings: [usize; 2],
-}
-
-/// What a separation did to one body.
-#[derive(Clone, Debug, Serialize)]
-pub struct MovedBody {
-    /// Its name.
-    pub name: String,
-    /// Vertices of its surface.
-    pub vertices: usize,
-    /// Those that moved.
-    pub moved: usize,
-    /// The farthest move.
-    pub largest_move: f64,
-    /// Tets without or with negative volume.
-    pub inverted_tets: usize,
-    /// Distance of its markers before and after, of those that lie outside everything that does
-    /// not move: a marker inside a bone cannot be met.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub marker_distance: Option<[Spread; 2]>,
-    /// Markers that lie inside something that does not move. They contradict it and hold nothing.
-    pub contradicting_markers: Vec<ContradictingMarker>,
-}
-
-/// A marker that lies inside something that does not move.
-#[derive(Clone, Debug, Serialize)]
-pub struct ContradictingMarker {
-    /// Its place among the body's markers, from 1.
-    pub marker: usize,
-    /// What it lies in.
-    pub inside: String,
-}
-
 /// What a separation did. Lengths in the bodies' unit.
 #[derive(Clone, Debug, Serialize)]
 pub struct SeparationReport {
     /// Version of moulage.
     pub version: &'static str,
-    /// Nothing overlaps any more.
-    pub separated: bool,
-    /// Why it ended.
-    pub ending: Ending,
-    /// Every overlap there was or is.
-    pub overlaps: Vec<OverlapLine>,
-    /// Every body.
-    pub bodies: Vec<MovedBody>,
-    /// Rounds of finding contacts and solving.
-    pub rounds: usize,
+    /// All figures.
+    #[serde(flatten)]
+    pub summary: Summary,
     /// Seconds it took.
     pub seconds: f64,
     /// Files written.
     pub written: Vec<PathBuf>,
-}
-
-impl SeparationReport {
-    /// Measures a separation of `bodies`.
-    pub fn new(bodies: &[Body], obstacles: &[Obstacle], separation: &Separation) -> Self {
-        let walls: Vec<(&str, WindingNumber)> = obstacles
-            .iter()
-            .map(|o| {
-                let winding = WindingNumber::new(&o.surface.points, &o.surface.triangles);
-                (o.name.as_str(), winding)
-            })
-            .collect();
-        let moved =
-            bodies.iter().enumerate().map(|(b, body)| moved_body(b, body, &walls, separation));
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            separated: separation.after.is_empty(),
-            ending: separation.ending,
-            overlaps: overlap_lines(&separation.before, &separation.after),
-            bodies: moved.collect(),
-            rounds: separation.rounds,
-            seconds: 0.0,
-            written: Vec::new(),
-        }
-    }
-}
-
-fn moved_body(
-    b: usize,
-    body: &Body,
-    walls: &[(&str, WindingNumber)],
-    separation: &Separation,
-) -> MovedBody {
-    let now = &separation.tet_points[b];
-    let deformed = TetMesh { points: now.clone(), tets: body.tets.tets.clone() };
-    let (mut contradicting_markers, mut free) = (Vec::new(), Vec::new());
-    for (m, place) in body.markers.iter().enumerate() {
-        match walls.iter().find(|(_, wall)| wall.is_inside(place)) {
-            Some((name, _)) => contradicting_markers
-                .push(ContradictingMarker { marker: m + 1, inside: (*name).to_owned() }),
-            None => free.push(*place),
-        }
-    }
-    let distances = |points: &[Vec3]| Spread::of(&marker_distances(points, &body.triangles, &free));
-    MovedBody {
-        name: body.name.clone(),
-        vertices: body.embedding.len(),
-        moved: separation.moved[b].0,
-        largest_move: separation.moved[b].1,
-        inverted_tets: (0..deformed.tets.len()).filter(|&t| deformed.volume(t) <= 0.0).count(),
-        marker_distance: (!free.is_empty()).then(|| {
-            [
-                distances(&body.surface_points(&body.tets.points)),
-                distances(&separation.surface_points[b]),
-            ]
-        }),
-        contradicting_markers,
-    }
-}
-
-fn overlap_lines(before: &[Overlap], after: &[Overlap]) -> Vec<OverlapLine> {
-    let mut pairs: BTreeMap<(String, String), [Option<&Overlap>; 2]> = BTreeMap::new();
-    for (when, list) in [before, after].into_iter().enumerate() {
-        for overlap in list {
-            let names = (overlap.first.clone(), overlap.second.clone());
-            pairs.entry(names).or_default()[when] = Some(overlap);
-        }
-    }
-    pairs
-        .into_iter()
-        .map(|((first, second), both)| OverlapLine {
-            between: [first, second],
-            depth: both.map(|o| o.map_or(0.0, |o| o.depth)),
-            vertices_inside: both.map(|o| o.map_or(0, |o| o.vertices_inside)),
-            crossings: both.map(|o| o.map_or(0, |o| o.crossings)),
-        })
-        .collect()
 }
 
 /// Where one body is read.
@@ -246,15 +115,20 @@ pub(crate) fn separate_files(
     check_names(&bodies)?;
     check_writable(&out.join("separation.json"))?;
     let separation = separate(&bodies, &obstacles, options, run)?;
-    let mut report = SeparationReport::new(&bodies, &obstacles, &separation);
     run.enter("writing", 1.0);
+    let mut written = Vec::new();
     for (b, body) in bodies.iter().enumerate() {
         let surface = surfaces[b].as_ref().zip(files[b].surface_name.as_deref());
-        report.written.extend(write_body(out, body, surface, b, &separation)?);
+        written.extend(write_body(out, body, surface, b, &separation)?);
     }
-    report.seconds = started.elapsed().as_secs_f64();
     let path = out.join("separation.json");
-    report.written.push(path.clone());
+    written.push(path.clone());
+    let report = SeparationReport {
+        version: env!("CARGO_PKG_VERSION"),
+        summary: Summary::new(&bodies, &obstacles, &separation),
+        seconds: started.elapsed().as_secs_f64(),
+        written,
+    };
     write_beside(&path, |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;
         writeln!(out)

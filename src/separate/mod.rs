@@ -13,6 +13,7 @@
 //! - `energy`   - elasticity, contact and holds, with derivatives
 //! - `solver`   - rounds of detection and Newton's method
 //! - `overlap`  - what is left, decided exactly
+//! - `summary`  - the figures
 
 mod contacts;
 mod energy;
@@ -23,9 +24,11 @@ mod overlap;
 mod patch;
 mod scene;
 mod solver;
+mod summary;
 mod way_out;
 
 pub use options::Options;
 pub use overlap::{Overlap, overlaps};
 pub use scene::{Body, Obstacle};
 pub use solver::{Ending, Separation, separate};
+pub use summary::{ContradictingMarker, MovedBody, OverlapLine, Summary};

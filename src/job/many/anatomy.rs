@@ -266,7 +266,7 @@ fn separate_all(
     let folder = out.join("separated");
     match watched(run, |inner| separate_files(&files, &bones.person, &options, &folder, inner)) {
         Ok(separation) => {
-            for (body, file) in separation.bodies.iter().zip(&files) {
+            for (body, file) in separation.summary.bodies.iter().zip(&files) {
                 let name =
                     Path::new("separated").join(file.surface_name.as_deref().unwrap_or_default());
                 for line in report.objects.iter_mut().filter(|line| line.name == body.name) {

@@ -9,9 +9,10 @@ use crate::io::markup::escaped;
 use crate::io::read_surface;
 use crate::job::report::html::{self, Column, image, marked, notes, table};
 use crate::job::report::picture::{Colour, View, draw};
-use crate::job::separate::{MovedBody, OverlapLine, SeparationReport};
+use crate::job::separate::SeparationReport;
 use crate::measure::Spread;
 use crate::mesh::TriMesh;
+use crate::separate::{MovedBody, OverlapLine};
 
 const BONE: Colour = [0.88, 0.86, 0.80];
 /// Colours of objects, one after the other.
@@ -71,7 +72,7 @@ fn verdict(report: &AnatomyReport) -> String {
         )
     };
     text.push_str(match &report.separation {
-        Some(s) if s.separated => {
+        Some(s) if s.summary.separated => {
             "<p class=\"good\">No triangle of one surface crosses or lies inside another.</p>"
         }
         Some(_) => "<p class=\"failed\">Some overlaps are left.</p>",
@@ -161,7 +162,7 @@ fn separated(separation: &SeparationReport) -> String {
         row.extend(line.crossings.map(|count| count.to_string()));
         row
     };
-    let overlaps = table(&columns, separation.overlaps.iter().map(overlap));
+    let overlaps = table(&columns, separation.summary.overlaps.iter().map(overlap));
     let columns = [
         Column::Text("object"),
         Column::Number("vertices moved"),
@@ -186,8 +187,8 @@ fn separated(separation: &SeparationReport) -> String {
     };
     format!(
         "<h2>Separation</h2>\n<p>{} rounds, {:.1} s.</p>\n{overlaps}{}",
-        separation.rounds,
+        separation.summary.rounds,
         separation.seconds,
-        table(&columns, separation.bodies.iter().map(body))
+        table(&columns, separation.summary.bodies.iter().map(body))
     )
 }

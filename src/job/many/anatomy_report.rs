@@ -103,7 +103,7 @@ impl AnatomyReport {
         !self.interrupted
             && self.warnings.is_empty()
             && self.count(Status::Good) == self.objects.len()
-            && self.separation.as_ref().is_none_or(|s| s.separated)
+            && self.separation.as_ref().is_none_or(|s| s.summary.separated)
     }
 }
 

@@ -30,56 +30,6 @@ const PALETTE: [Colour; 6] = [
 const DOUBTFUL: Colour = [0.95, 0.65, 0.10];
 const FAILED: Colour = [0.80, 0.10, 0.10];
 
-/// Bones and joints that are named in the warnings; all stand in the tables.
-const WORST: usize = 5;
-/// Joints that turn further beyond their limits are named, degrees.
-const BEYOND_DEGREES: f64 = 0.5;
-
-/// What to look at in a result, in sentences: the worst bones and joints; all others have their
-/// reasons in [`Registered::bones`].
-pub fn warnings(template: &Skeleton, found: &Registered) -> Vec<String> {
-    let mut warnings = found.notes.clone();
-    warnings.extend(found.judgement.reasons.iter().cloned());
-    let mut named: Vec<&BoneSummary> =
-        found.bones.iter().filter(|b| b.verdict > Verdict::Good).collect();
-    named.sort_by_key(|bone| std::cmp::Reverse(bone.verdict));
-    for bone in named.iter().take(WORST) {
-        let (verdict, worst) = (bone.verdict.name(), bone.reasons.first());
-        let worst = worst.map_or("", String::as_str);
-        warnings.push(format!("bone {} is {verdict}: {worst}", bone.name));
-    }
-    let beyond = found.joints.iter().filter(|joint| joint.excess_degrees > BEYOND_DEGREES);
-    let beyond = beyond.map(|joint| (joint.excess_degrees, joint.name.as_str()));
-    if let Some(worst) = worst_joints(beyond, 1) {
-        warnings.push(format!(
-            "joints turn beyond the template's limits, by degrees: {worst}; see whether this person can do that"
-        ));
-    }
-    let apart = found.joints.iter().zip(&template.joints);
-    let apart = apart.filter(|(joint, template)| joint.seam > 2.0 * template.limits.shift);
-    let apart = apart.map(|(joint, _)| (joint.seam, joint.name.as_str()));
-    if let Some(worst) = worst_joints(apart, 2) {
-        warnings.push(format!(
-            "the two bones disagree on the centre by more than twice the allowed shift in {worst}"
-        ));
-    }
-    warnings
-}
-
-/// The joints with the largest figures, which are written with so many digits; none of none.
-fn worst_joints<'a>(joints: impl Iterator<Item = (f64, &'a str)>, digits: usize) -> Option<String> {
-    let mut joints: Vec<(f64, &str)> = joints.collect();
-    joints.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let more = joints.len().saturating_sub(WORST);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let worst: Vec<String> = joints
-        .iter()
-        .take(WORST)
-        .map(|(figure, name)| format!("{name} ({figure:.digits$})"))
-        .collect();
-    (!worst.is_empty()).then(|| format!("{}{more}", worst.join(", ")))
-}
-
 /// A landmark and its distance from its place at the end.
 #[derive(Clone, Debug, Serialize)]
 pub struct LandmarkSummary {
@@ -155,7 +105,7 @@ impl RegisterReport {
             joints: found.joints.clone(),
             landmarks: landmark_summaries(landmarks, &files.skeleton, &found.landmarks),
             levels: found.levels.clone(),
-            warnings: warnings(&files.skeleton, found),
+            warnings: found.warnings(&files.skeleton),
             written: Vec::new(),
         }
     }
