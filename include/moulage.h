@@ -240,7 +240,7 @@ typedef enum MlgStatus {
    */
   MLG_STATUS_SINGULAR = 7,
   /**
-   * The solver found no way on and there is no result.
+   * The solver could not make further progress and there is no result.
    */
   MLG_STATUS_DIVERGED = 8,
   /**
@@ -778,7 +778,7 @@ typedef struct MlgReshapingOptions {
    */
   double attachment_tolerance;
   /**
-   * Weight of the smoothness of the plastic strain, without unit. Default: 0.08.
+   * Weight of the smoothness of the plastic strain, dimensionless. Default: 0.08.
    */
   double smoothness;
   /**

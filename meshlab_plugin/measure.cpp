@@ -36,7 +36,7 @@ FilterMoulage::Figures FilterMoulage::tetrahedralize(const RichParameterList &pa
     const MlgTetQuality quality = tets.quality();
     const bool by_tetgen = tets.method() == MLG_TETS_TETGEN;
     log("%i tets by %s, volume %g; dihedral angles %.1f to %.1f deg; radius ratio %.3f at least, %.3f "
-        "in the mean",
+        "on average",
         int(quality.tet_count), by_tetgen ? "TetGen" : "the lattice", quality.volume,
         quality.min_dihedral, quality.max_dihedral, quality.min_radius_ratio,
         quality.mean_radius_ratio);

@@ -119,7 +119,7 @@ FilterMoulage::Figures FilterMoulage::separate(const RichParameterList &paramete
         log("%s: %i vertices moved, at most by %g", name.c_str(), int(body.moved_vertices),
             body.largest_move);
         if (body.mean_marker_distance[0] >= 0)  // NaN without markers
-            log("%s: markers %g off in the mean before, %g after", name.c_str(),
+            log("%s: markers %g off on average before, %g after", name.c_str(),
                 body.mean_marker_distance[0], body.mean_marker_distance[1]);
     }
 

@@ -46,7 +46,7 @@ pub enum Error {
     /// A linear system has no unique solution.
     #[error("{0}")]
     Singular(String),
-    /// The nonlinear solver found no way on and there is no result to return.
+    /// The nonlinear solver could not make further progress and there is no result to return.
     #[error("{0}")]
     Diverged(String),
     /// The caller asked to stop before there was a result.

@@ -201,6 +201,6 @@ fn an_object_on_an_unknown_bone_is_named() {
     let report = person.run(&Run::new());
     let lost = &report.objects[2];
     assert_eq!(lost.status, Some(Status::Failed));
-    assert!(lost.message.contains("'ulna', which is no bone of this job"), "{}", lost.message);
+    assert!(lost.message.contains("'ulna', which is not a bone of this job"), "{}", lost.message);
     assert_eq!(report.count(Status::Good), 2);
 }

@@ -51,7 +51,7 @@ fn bad_input_is_exit_code_1_with_one_sentence() {
     for (arguments, expected) in [
         (&["reshape"][..], "no template is given"),
         (&["reshape", "missing.toml"], "cannot read missing.toml"),
-        (&["reshape", "--template", "a.docx", "-o", "b.obj"], "a.docx is no surface file"),
+        (&["reshape", "--template", "a.docx", "-o", "b.obj"], "a.docx is not a surface file"),
         (&["check", "missing.obj"], "cannot read missing.obj"),
         (&["reshape", &example("job.toml"), "-o", "a.xyz"], "the name must end in .obj"),
     ] {

@@ -285,7 +285,7 @@ fn a_sphere_becomes_a_liver_on_tets_made_anew() {
     assert!(report.stretch_range[1] > 2.0, "the whole change is told: {:?}", report.stretch_range);
     assert!(!report.remeshes.is_empty());
     let page = folder.read("report/report.html");
-    assert_eq!(page.matches("Tets made anew").count(), report.remeshes.len());
+    assert_eq!(page.matches("Remeshed").count(), report.remeshes.len());
     let json: serde_json::Value = serde_json::from_str(&folder.read("report/report.json")).unwrap();
     assert_eq!(json["remeshes"].as_array().unwrap().len(), report.remeshes.len());
 

@@ -179,7 +179,7 @@ fn folders_headers_with_a_file_beside_and_single_slices_are_read() {
     std::fs::write(series.join("README"), "no slice").unwrap();
     let file = io::read_volume(&series).unwrap();
     assert_eq!((file.format, file.volume.size()), ("DICOM", SIZE));
-    assert!(file.notes[0].ends_with("1 files are no slices and are left out"), "{:?}", file.notes);
+    assert!(file.notes[0].ends_with("1 files are not slices and were skipped"), "{:?}", file.notes);
     let other = DicomSlice { series: "1.2.4", ..dicom_slice(7) };
     std::fs::write(series.join("other.dcm"), other.bytes()).unwrap();
     assert!(sentence(io::read_volume(&series)).contains("2 series"));
@@ -195,5 +195,5 @@ fn folders_headers_with_a_file_beside_and_single_slices_are_read() {
     std::fs::write(at("a.raw"), image_files::voxels(false)).unwrap();
     check(&io::read_volume(&at("a.mhd")).unwrap().volume, "mhd");
     check(&io::read_volume(&at("a.nhdr")).unwrap().volume, "nhdr");
-    assert!(sentence(io::read_volume(&at("a.raw"))).contains("is no volume: .nii"));
+    assert!(sentence(io::read_volume(&at("a.raw"))).contains("is not a volume: .nii"));
 }

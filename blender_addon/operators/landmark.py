@@ -99,7 +99,7 @@ class MOULAGE_OT_place_template(NeedsTemplate, bpy.types.Operator):
         template.matrix_world = mathutils.Matrix(motion.tolist()) @ template.matrix_world
         context.view_layer.update()
         gaps = numpy.linalg.norm(landmarks.pairs(template)[0] - targets, axis=1)
-        off = f" The landmarks are {units.text(context.scene, gaps.mean())} off in the mean." if len(gaps) else ""
+        off = f" The landmarks are {units.text(context.scene, gaps.mean())} off on average." if len(gaps) else ""
         self.report({"INFO"}, f"The template was placed.{off}")
         return {"FINISHED"}
 

@@ -144,7 +144,7 @@ def options(name, struct, wishes, init=None):
     known = struct.fields().keys() - {"reserved"}
     for key, value in wishes.items():
         if key not in known:
-            raise TypeError(f"{key!r} is no option; there are {', '.join(sorted(known))}")
+            raise TypeError(f"{key!r} is not an option; there are {', '.join(sorted(known))}")
         setattr(struct, key, value)
     return struct
 

@@ -77,3 +77,12 @@ pub(super) fn make<T: Any + Send + Sync, H>(
         unsafe { buffers::write(out, handle, name) }
     })
 }
+
+/// Does something with an object, whose handle comes with its name.
+pub(super) fn with<T: Any + Send + Sync, H>(
+    (handle, name): (*const H, &str),
+    error: *mut MlgError,
+    body: impl FnOnce(&T) -> Outcome<()>,
+) -> MlgStatus {
+    guard(error, || body(&*handles::get::<T, _>(handle, name)?))
+}

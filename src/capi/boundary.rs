@@ -27,7 +27,7 @@ pub enum MlgStatus {
     Parse = 6,
     /// A linear system has no unique solution.
     Singular = 7,
-    /// The solver found no way on and there is no result.
+    /// The solver could not make further progress and there is no result.
     Diverged = 8,
     /// A fault in the library; the message says where. Free all handles and report it.
     Panic = 9,

@@ -320,7 +320,7 @@ fn check_size<T>(size: usize) -> Outcome<()> {
     }
     if size < size_of::<usize>() || !size.is_multiple_of(8) {
         return Err(Failure::invalid(format!(
-            "struct_size is {size}, which is no size this struct ever had; set it with the _init function or sizeof"
+            "struct_size is {size}, not a size of any version of this struct; set it with the _init function or sizeof"
         )));
     }
     Ok(())

@@ -4,8 +4,8 @@ use libc::c_char;
 use std::ffi::CString;
 use std::ptr;
 
-use super::boundary::{MlgError, MlgStatus, guard};
-use super::{access, buffers, handles};
+use super::boundary::{MlgError, MlgStatus};
+use super::{access, buffers};
 use crate::io::{self, read_markers, write_markers};
 use crate::math::Vec3;
 
@@ -87,8 +87,7 @@ pub unsafe extern "C" fn mlg_markers_save(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let markers = handles::get::<Markers, _>(markers, "markers")?;
+    access::with((markers, "markers"), error, |markers: &Markers| {
         // SAFETY: the caller's promise (see the module).
         Ok(write_markers(&unsafe { buffers::new_path(path, "path")? }, &markers.original)?)
     })

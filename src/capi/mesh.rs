@@ -2,8 +2,8 @@
 
 use libc::c_char;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
-use super::{access, buffers, handles};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome};
+use super::{access, buffers};
 use crate::io::{SurfaceFile, read_surface, read_tets, write_surface, write_vtu};
 use crate::mesh::{SurfaceCheck, TetMesh, TriMesh};
 
@@ -84,8 +84,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_save(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
+    access::with((mesh, "mesh"), error, |surface: &Surface| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
         let points = if points.is_null() {
@@ -143,8 +142,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_check(
     out_length: *mut usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let surface = handles::get::<Surface, _>(mesh, "mesh")?;
+    access::with((mesh, "mesh"), error, |surface: &Surface| {
         let text = SurfaceCheck::new(&surface.mesh).sentences(&surface.mesh).join("\n");
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
@@ -200,10 +198,9 @@ pub unsafe extern "C" fn mlg_tet_mesh_save(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let mesh = handles::get::<TetMesh, _>(mesh, "mesh")?;
+    access::with((mesh, "mesh"), error, |mesh: &TetMesh| {
         // SAFETY: the caller's promise (see the module).
-        Ok(write_vtu(&unsafe { buffers::new_path(path, "path")? }, &mesh, &[], &[])?)
+        Ok(write_vtu(&unsafe { buffers::new_path(path, "path")? }, mesh, &[], &[])?)
     })
 }
 

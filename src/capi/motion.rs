@@ -5,7 +5,7 @@ use std::ffi::CString;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome};
 use super::skeleton::{MlgSkeleton, SkeletonObject, c_name};
 use super::skeleton_files::has_extension;
 use super::{access, buffers, handles};
@@ -134,8 +134,7 @@ pub unsafe extern "C" fn mlg_motion_save(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let object = handles::get::<MotionObject, _>(motion, "motion")?;
+    access::with((motion, "motion"), error, |object: &MotionObject| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
         let skeleton = &object.skeleton.skeleton;

@@ -226,8 +226,7 @@ pub unsafe extern "C" fn mlg_reshaping_load_fixed(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::path(path, "path")? };
         let mut problem = problem.lock();

@@ -135,7 +135,7 @@ unsafe fn options_of(
     let radii = unsafe { buffers::numbers(given.radii, given.radius_count, "options.radii")? };
     if let Some(radius) = radii.iter().find(|r| r.is_nan() || **r <= 0.0) {
         return Err(Failure::invalid(format!(
-            "options.radii: {radius} is no cluster radius; radii are above 0"
+            "options.radii: {radius} is not a cluster radius; radii are above 0"
         )));
     }
     let from_file = template.document.clusters.as_ref();
@@ -171,8 +171,7 @@ pub unsafe extern "C" fn mlg_registration_set_target(
     surface: *const MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         surface.check_triangles("surface")?;
         problem.set(Seen::Whole(surface));
@@ -189,8 +188,7 @@ pub unsafe extern "C" fn mlg_registration_set_bone_target(
     surface: *const MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         surface.check_triangles("surface")?;
         let count = problem.template.skeleton.bones.len();
@@ -219,8 +217,7 @@ pub unsafe extern "C" fn mlg_registration_set_image(
     reference: *const MlgVolume,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         let person = handles::get::<VolumeFile, _>(person, "person")?;
         let reference = handles::get::<VolumeFile, _>(reference, "reference")?;
         problem.set(Seen::Image { person, reference });
@@ -236,8 +233,7 @@ pub unsafe extern "C" fn mlg_registration_set_shape_model(
     model: *const MlgShapeModel,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         let model = if model.is_null() {
             None
         } else {

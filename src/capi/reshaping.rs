@@ -1,7 +1,7 @@
 //! Reshaping: the problem and its options.
 
 use std::ptr;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
@@ -34,7 +34,7 @@ pub struct MlgReshapingOptions {
     pub landmark_tolerance: f64,
     /// How far an attachment may be off. 0 (default): `tolerance`.
     pub attachment_tolerance: f64,
-    /// Weight of the smoothness of the plastic strain, without unit. Default: 0.08.
+    /// Weight of the smoothness of the plastic strain, dimensionless. Default: 0.08.
     pub smoothness: f64,
     /// Distance over which the strain returns to its mean away from data, as a multiple of the cube
     /// root of the template's volume; INFINITY: never. 0 (default): by how much of it was seen.
@@ -154,8 +154,7 @@ pub unsafe extern "C" fn mlg_reshaping_set_markers(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, count, "points")? };
         // SAFETY: as above.
@@ -180,8 +179,7 @@ pub unsafe extern "C" fn mlg_reshaping_set_landmarks(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let places = unsafe { at_points(template_points, count)? };
         // SAFETY: as above.
@@ -201,10 +199,9 @@ pub unsafe extern "C" fn mlg_reshaping_set_landmarks_at_vertices(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
-        let places = unsafe { at_vertices(&problem, template_vertices, count)? };
+        let places = unsafe { at_vertices(problem, template_vertices, count)? };
         // SAFETY: as above.
         problem.lock().landmarks = unsafe { pairs("landmark", places, targets, weights, count)? };
         Ok(())
@@ -223,8 +220,7 @@ pub unsafe extern "C" fn mlg_reshaping_set_attachments(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let places = unsafe { at_points(template_points, count)? };
         // SAFETY: as above.
@@ -245,10 +241,9 @@ pub unsafe extern "C" fn mlg_reshaping_set_attachments_at_vertices(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
-        let places = unsafe { at_vertices(&problem, template_vertices, count)? };
+        let places = unsafe { at_vertices(problem, template_vertices, count)? };
         // SAFETY: as above.
         let attachments = unsafe { pairs("attachment", places, targets, weights, count)? };
         problem.lock().attachments = attachments;
@@ -265,10 +260,9 @@ pub unsafe extern "C" fn mlg_reshaping_set_fixed(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
-        let vertices = unsafe { checked_vertices(&problem, vertices, count)? };
+        let vertices = unsafe { checked_vertices(problem, vertices, count)? };
         problem.lock().fixed = vertices;
         Ok(())
     })
@@ -287,7 +281,7 @@ unsafe fn at_points(points: *const f64, count: usize) -> Outcome<Vec<TemplatePoi
 }
 
 unsafe fn at_vertices(
-    problem: &Arc<ProblemObject>,
+    problem: &ProblemObject,
     vertices: *const u32,
     count: usize,
 ) -> Outcome<Vec<TemplatePoint>> {
@@ -297,7 +291,7 @@ unsafe fn at_vertices(
 }
 
 unsafe fn checked_vertices(
-    problem: &Arc<ProblemObject>,
+    problem: &ProblemObject,
     vertices: *const u32,
     count: usize,
 ) -> Outcome<Vec<u32>> {

@@ -2,10 +2,10 @@
 
 use libc::c_char;
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard, name_of};
+use super::access;
+use super::boundary::{MlgError, MlgStatus, Outcome, name_of};
 use super::buffers::{self, Versioned};
 use super::tetrahedralization::MlgTetQuality;
-use super::{access, handles};
 use crate::fem::vertex_stretches;
 use crate::job::write_deformed_tets;
 use crate::locate::Embedding;
@@ -223,8 +223,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_carry(
     out_points: *mut f64,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+    access::with((result, "result"), error, |result: &ReshapingResult| {
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, count, "points")? };
         let embedding = Embedding::new(&result.problem.tets, &points)?;
@@ -242,8 +241,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_save_tets(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = handles::get::<ReshapingResult, _>(result, "result")?;
+    access::with((result, "result"), error, |result: &ReshapingResult| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
         let problem = &result.problem;

@@ -133,8 +133,7 @@ pub unsafe extern "C" fn mlg_separation_add_body(
     surface: *const MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let name = unsafe { buffers::text(name, "name")? };
         let tets = handles::get::<TetMesh, _>(tets, "tets")?;
@@ -159,8 +158,7 @@ pub unsafe extern "C" fn mlg_separation_add_result(
     result: *const MlgReshapingResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let name = unsafe { buffers::text(name, "name")? };
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
@@ -177,8 +175,7 @@ pub unsafe extern "C" fn mlg_separation_add_obstacle(
     surface: *const MlgTriMesh,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let name = unsafe { buffers::text(name, "name")? };
         let surface = handles::get::<Surface, _>(surface, "surface")?;
@@ -201,8 +198,7 @@ pub unsafe extern "C" fn mlg_separation_set_markers(
     count: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?;
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, count, "points")? };
         let mut scene = problem.lock();

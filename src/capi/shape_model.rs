@@ -135,8 +135,7 @@ pub unsafe extern "C" fn mlg_shape_model_save(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let model = handles::get::<ModelObject, _>(model, "model")?;
+    access::with((model, "model"), error, |model: &ModelObject| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
         Ok(write_shape_model(&path, &model.template.skeleton, &model.model)?)

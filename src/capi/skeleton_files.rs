@@ -5,10 +5,10 @@ use std::path::Path;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, guard};
+use super::boundary::{Failure, MlgError, MlgStatus};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
-use super::{access, buffers, handles};
+use super::{access, buffers};
 use crate::error::Result;
 use crate::io::gltf::write_glb;
 use crate::io::{file_name, write_beside, write_surface};
@@ -72,12 +72,11 @@ pub unsafe extern "C" fn mlg_skeleton_save(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
+    access::with((skeleton, "skeleton"), error, |object: &SkeletonObject| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
         if has_extension(&path, "json") {
-            return Ok(save_json(&object, &path)?);
+            return Ok(save_json(object, &path)?);
         }
         if has_extension(&path, "glb") {
             let unit = metres_per_unit(object.document.units.as_deref());
@@ -134,8 +133,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
     path: *const c_char,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
+    access::with((skeleton, "skeleton"), error, |object: &SkeletonObject| {
         // SAFETY: the caller's promise (see the module).
         let motion_path = unsafe { buffers::path(motion_path, "motion_path")? };
         // SAFETY: as above.
@@ -173,8 +171,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_osim(
     out_length: *mut usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let object = handles::get::<SkeletonObject, _>(skeleton, "skeleton")?;
+    access::with((skeleton, "skeleton"), error, |object: &SkeletonObject| {
         // SAFETY: the caller's promise (see the module).
         let model_path = unsafe { buffers::path(model_path, "model_path")? };
         // SAFETY: as above.

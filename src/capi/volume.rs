@@ -3,7 +3,7 @@
 use libc::c_char;
 use std::ptr;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome};
 use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::{access, handles};
@@ -140,8 +140,7 @@ pub unsafe extern "C" fn mlg_volume_notes(
     out_length: *mut usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let file = handles::get::<VolumeFile, _>(volume, "volume")?;
+    access::with((volume, "volume"), error, |file: &VolumeFile| {
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write_text(&file.notes.join("\n"), buffer, capacity, out_length) }
     })
@@ -194,8 +193,7 @@ pub unsafe extern "C" fn mlg_volume_slice(
     capacity: usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let file = handles::get::<VolumeFile, _>(volume, "volume")?;
+    access::with((volume, "volume"), error, |file: &VolumeFile| {
         // SAFETY: the caller's promise (see the module).
         let plane = unsafe { plane_of(plane)? };
         let window = if window.is_null() {

@@ -50,7 +50,7 @@ pub unsafe extern "C" fn mlg_volume_labels(
         let file = handles::get::<VolumeFile, _>(labels, "labels")?;
         let known = file.volume.labels().ok_or_else(|| {
             Failure::invalid(
-                "the image is no label map: its values are no whole numbers, or too many",
+                "the image is not a label map: its values are not whole numbers, or too many",
             )
         })?;
         for (k, (label, _)) in known.iter().take(capacity).enumerate() {

@@ -52,7 +52,7 @@ fn print(report: &Report) {
     );
     if let Some(refined) = &report.refinement {
         println!(
-            "{} markers added by the image, {:.3} from the first result in the mean, confidence {:.2}; the user's were {} then",
+            "{} markers added by the image, {:.3} from the first result on average, confidence {:.2}; the user's markers were {} off at that point",
             refined.added,
             refined.shift.mean,
             refined.confidence.mean,
@@ -79,7 +79,7 @@ fn print(report: &Report) {
         }
     }
     for remesh in &report.remeshes {
-        println!("tets made anew {}", remesh.sentence());
+        println!("remeshed {}", remesh.sentence());
     }
     let [low, high] = report.stretch_range;
     println!(

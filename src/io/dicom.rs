@@ -71,7 +71,7 @@ pub fn read_dicom(path: &Path) -> Result<(Volume, Vec<String>)> {
     }
     one_series(&slices, folder)?;
     if others > 0 {
-        notes.push(format!("{}: {others} files are no slices and are left out", folder.display()));
+        notes.push(format!("{}: {others} files are not slices and were skipped", folder.display()));
     }
     for slice in &mut slices {
         let bytes = read_bytes(&slice.path)?;
@@ -353,7 +353,7 @@ fn check_steps(slices: &[Slice], normal: &Vec3, mean: f64) -> Result<(), String>
     });
     match sideways.into_iter().flatten().fold(0.0, f64::max) {
         drift if drift > (0.5 * usual.abs()).max(0.1) => Err(format!(
-            "the slices' positions are up to {drift:.2} mm off a straight line; the series is no regular grid"
+            "the slices' positions are up to {drift:.2} mm off a straight line; the series is not a regular grid"
         )),
         _ => Ok(()),
     }

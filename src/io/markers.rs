@@ -65,7 +65,7 @@ fn extension(path: &Path) -> Result<&'static str> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     EXTENSIONS.into_iter().find(|known| extension.as_deref() == Some(known)).ok_or_else(|| {
         Error::Unsupported(format!(
-            "{} is no marker file: .csv, .txt, .xyz, .ply, .mrk.json, .fcsv and .pp are",
+            "{} is not a marker file: .csv, .txt, .xyz, .ply, .mrk.json, .fcsv and .pp are",
             path.display()
         ))
     })
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn unknown_and_empty_files_are_refused() {
         let error = parse_markers(b"", Path::new("a.doc")).unwrap_err().to_string();
-        assert!(error.starts_with("a.doc is no marker file"), "{error}");
+        assert!(error.starts_with("a.doc is not a marker file"), "{error}");
         let error = parse_markers(b"x,y,z\n", Path::new("a.csv")).unwrap_err().to_string();
         assert_eq!(error, "a.csv: the file holds no markers");
     }

@@ -70,7 +70,7 @@ fn header<'a>(bytes: &'a [u8], path: &Path) -> Result<(Header, &'a [u8])> {
         let line = text::decode(&rest[..end]);
         rest = rest.get(end + 1..).unwrap_or_default();
         let Some((key, value)) = line.split_once('=') else {
-            return Err(wrong(format!("'{}' is no 'Key = value'", shorten(line.trim()))));
+            return Err(wrong(format!("'{}' is not 'Key = value'", shorten(line.trim()))));
         };
         let (key, value) = (key.trim(), value.trim());
         header.set(key, value).map_err(wrong)?;
@@ -142,7 +142,7 @@ impl Header {
 
 fn numbers(text: &str) -> Result<Vec<f64>, String> {
     let list: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-    list.map_err(|_| format!("'{}' are no numbers", shorten(text)))
+    list.map_err(|_| format!("'{}' are not numbers", shorten(text)))
 }
 
 fn number(name: &str) -> Result<Number, String> {

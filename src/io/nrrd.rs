@@ -143,7 +143,7 @@ impl Header {
         };
         let origin = self.origin.as_deref().ok_or("the header has no space origin")?;
         let [origin] = vectors_exactly(origin)
-            .ok_or_else(|| format!("space origin '{}' is no vector", shorten(origin)))?;
+            .ok_or_else(|| format!("space origin '{}' is not a vector", shorten(origin)))?;
         let turned = |v: Vec3| v.component_mul(&to_ras);
         Ok((Mat3::from_columns(&[turned(a), turned(b), turned(c)]), turned(origin)))
     }
@@ -240,7 +240,7 @@ fn text_values(data: &[u8], count: usize) -> Result<Vec<f32>, String> {
     let numbers = text.split(|c: char| c.is_whitespace() || c == ',').filter(|t| !t.is_empty());
     let values: Result<Vec<f32>, String> = numbers
         .take(count)
-        .map(|t| t.parse().map_err(|_| format!("'{}' is no number", shorten(t))))
+        .map(|t| t.parse().map_err(|_| format!("'{}' is not a number", shorten(t))))
         .collect();
     let values = values?;
     if values.len() == count {

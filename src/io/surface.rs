@@ -94,7 +94,7 @@ fn known_extension(path: &Path) -> Result<&'static str> {
     ["obj", "ply", "stl"].into_iter().find(|known| extension.as_deref() == Some(known)).ok_or_else(
         || {
             Error::Unsupported(format!(
-                "{} is no surface file: .obj, .ply and .stl are",
+                "{} is not a surface file: .obj, .ply and .stl are",
                 path.display()
             ))
         },
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn other_files_and_empty_surfaces_are_refused() {
         let error = parse_surface(TRIANGLE.to_vec(), Path::new("a.glb")).unwrap_err();
-        assert_eq!(error.to_string(), "a.glb is no surface file: .obj, .ply and .stl are");
+        assert_eq!(error.to_string(), "a.glb is not a surface file: .obj, .ply and .stl are");
         let error = parse_surface(TRIANGLE[..24].to_vec(), Path::new("a.obj")).unwrap_err();
         assert!(error.to_string().contains("no faces"), "{error}");
     }

@@ -23,7 +23,7 @@ pub fn read_tets(path: &Path) -> Result<TetMesh> {
         Some("veg") => parse_veg(&read_bytes(path)?, path),
         Some("msh") => parse_gmsh(&read_bytes(path)?, path),
         _ => Err(Error::Unsupported(format!(
-            "{} is no tet mesh file: .node/.ele, .vtu, .veg and .msh are",
+            "{} is not a tet mesh file: .node/.ele, .vtu, .veg and .msh are",
             path.display()
         ))),
     }
@@ -36,6 +36,6 @@ mod tests {
     #[test]
     fn other_files_are_refused() {
         let error = read_tets(Path::new("a.stl")).unwrap_err();
-        assert!(error.to_string().starts_with("a.stl is no tet mesh file"), "{error}");
+        assert!(error.to_string().starts_with("a.stl is not a tet mesh file"), "{error}");
     }
 }

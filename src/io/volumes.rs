@@ -31,7 +31,7 @@ pub fn is_volume(path: &Path) -> bool {
 pub fn read_volume(path: &Path) -> Result<VolumeFile> {
     let format = format(path).ok_or_else(|| {
         Error::Unsupported(format!(
-            "{} is no volume: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd and folders of DICOM files are",
+            "{} is not a volume: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd and folders of DICOM files are",
             path.display()
         ))
     })?;

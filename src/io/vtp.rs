@@ -24,7 +24,7 @@ pub fn parse_vtp(text: &str, path: &Path) -> Result<TriMesh> {
         .map_err(|e| Error::parse(path, e.pos().row as usize, format!("not valid XML: {e}")))?;
     let section = |name: &str| {
         xml.descendants().find(|n| n.has_tag_name(name)).ok_or_else(|| {
-            Error::parse(path, None, format!("no <{name}>; this is no PolyData file"))
+            Error::parse(path, None, format!("no <{name}>; this is not a PolyData file"))
         })
     };
     let fail = |message: String| Error::parse(path, None, message);

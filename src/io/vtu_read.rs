@@ -98,7 +98,7 @@ impl<'a> File<'a> {
         let first = points.len();
         let coordinates = self.array(piece, "Points", None)?;
         if coordinates.len() % 3 != 0 {
-            return Err("the number of coordinates is no multiple of three".to_owned());
+            return Err("the number of coordinates is not a multiple of three".to_owned());
         }
         points.extend(coordinates.chunks_exact(3).map(Vec3::from_column_slice));
         let connectivity = self.array(piece, "Cells", Some("connectivity"))?;

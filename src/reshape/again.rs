@@ -25,11 +25,11 @@ pub fn reshape_again(
     let earlier = &earlier.earlier;
     if problem.tets != earlier.rest_tets || problem.surface.points != earlier.rest_surface {
         return Err(Error::invalid(
-            "the earlier result belongs to another template or other tets; reshape anew",
+            "the earlier result belongs to another template or other tets; reshape from the start",
         ));
     }
     if *options != earlier.options {
-        return Err(Error::invalid("the earlier result had other options; reshape anew"));
+        return Err(Error::invalid("the earlier result had other options; reshape from the start"));
     }
     run.enter("preparing", 0.0);
     let (mut solver, state) = Solver::again(problem, earlier, run)?;

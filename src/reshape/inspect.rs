@@ -128,12 +128,12 @@ fn check_place(surface: &TriMesh, markers: &[Vec3], warnings: &mut Vec<String>) 
     }
     if turned < NEARER * as_is {
         return Err(Error::invalid(format!(
-            "the markers lie {as_is:.3} from the template in the mean, but only {turned:.3} with x and y negated: \
+            "the markers lie {as_is:.3} from the template on average, but only {turned:.3} with x and y negated: \
              one of the files is in LPS, the other in RAS; convert one of them"
         )));
     }
     warnings.push(format!(
-        "the markers lie {as_is:.3} from the template in the mean, more than half its size; move the template there first, by an alignment"
+        "the markers lie {as_is:.3} from the template on average, more than half its size; move the template there first, by an alignment"
     ));
     Ok(())
 }

@@ -27,7 +27,7 @@ pub struct Options {
     /// The published formulation: a symmetric Fp per tet, smoothed by the graph Laplacian, stepped
     /// by the Woodbury update. For comparison; the default is more accurate and takes less time.
     pub paper: bool,
-    /// Weight of the smoothness of the plastic strain, without unit. Not used by
+    /// Weight of the smoothness of the plastic strain, dimensionless. Not used by
     /// the published formulation, whose weight is 1.
     pub smoothness: f64,
     /// Distance over which the strain returns to its mean away from data, as a multiple of the

@@ -222,7 +222,7 @@ impl Volume {
                 )))
             }
             None => Err(Error::invalid(
-                "the image is no label map: its values are no small whole numbers",
+                "the image is not a label map: its values are not small whole numbers",
             )),
         }
     }

@@ -61,7 +61,7 @@ impl Profiles {
         let length = half.checked_mul(2).and_then(|n| n.checked_add(1));
         let whole = length.is_some_and(|length| values.len().is_multiple_of(length));
         if !(step.is_finite() && step > 0.0 && half >= 1 && whole) {
-            return Err(Error::invalid("the stored profiles are no whole number of profiles"));
+            return Err(Error::invalid("the stored profiles are not a whole number of profiles"));
         }
         Ok(Self { step, half, values })
     }

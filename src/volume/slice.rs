@@ -67,7 +67,7 @@ impl std::str::FromStr for View {
         match numbers[..] {
             [x, y, z] if usable => Ok(Self::Along(Vec3::new(x, y, z))),
             _ => Err(format!(
-                "'{text}' is no plane: axial, coronal, sagittal or a direction such as 0,1,1"
+                "'{text}' is not a plane: axial, coronal, sagittal or a direction such as 0,1,1"
             )),
         }
     }
@@ -233,7 +233,7 @@ impl std::str::FromStr for Window {
             [width, level] if width.is_finite() && width > 0.0 && level.is_finite() => {
                 Ok(Self { width, level })
             }
-            _ => Err(format!("'{text}' is no window; give width and level, such as 400,40")),
+            _ => Err(format!("'{text}' is not a window; give width and level, such as 400,40")),
         }
     }
 }

@@ -207,7 +207,7 @@ int main(int argument_count, char **arguments) {
     mlg_volume_free(volume);
     mlg_volume_free(volume);
     expect(mlg_volume_notes(volume, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT, "freed");
-    expect(mlg_volume_load("a.png", &volume, &error), MLG_STATUS_UNSUPPORTED, "is no volume");
+    expect(mlg_volume_load("a.png", &volume, &error), MLG_STATUS_UNSUPPORTED, "is not a volume");
     expect(mlg_volume_load("no.nii", &volume, &error), MLG_STATUS_IO, "no.nii");
     CHECK(remove(path) == 0);
     puts("images: good");

@@ -230,7 +230,7 @@ def liver():
         reported = json.load(f)["marker_distance"]["after"]
     assert abs(figures["mean_marker_distance"] - reported["mean"]) < 1e-3, (figures, reported)
     assert abs(figures["max_marker_distance"] - reported["max"]) < 1e-3, (figures, reported)
-    print(f"liver: as the command line, markers {figures['mean_marker_distance']:.3f} mm off in the mean")
+    print(f"liver: as the command line, markers {figures['mean_marker_distance']:.3f} mm off on average")
 
 
 def skeletons():

@@ -90,7 +90,7 @@ class Arrays(unittest.TestCase):
         problem = moulage.Reshaping(self.tets)
         with self.assertRaisesRegex(ValueError, "2 weights for 1 points"):
             problem.set_markers([[0, 0, 0]], [1, 1])
-        with self.assertRaisesRegex(TypeError, "'tolerence' is no option"):
+        with self.assertRaisesRegex(TypeError, "'tolerence' is not an option"):
             problem.start(tolerence=1)
 
     def test_what_the_library_refuses_comes_as_its_sentence(self):

@@ -199,7 +199,7 @@ fn reshape_job(object: &Object, bones: &Bones) -> Result<ReshapeJob> {
         let template = known.and_then(|k| bones.template[k].clone());
         let (Some(k), Some(template)) = (known, template) else {
             return Err(Error::invalid(format!(
-                "it is attached to '{name}', which is no bone of this job that has a template"
+                "it is attached to '{name}', which is not a bone of this job that has a template"
             )));
         };
         templates.push(template);

@@ -144,7 +144,7 @@ fn read_figures(path: &Path) -> Result<Figures> {
         Error::parse(
             path,
             None,
-            format!("this is no report of a reshaping ({e}); delete its folder"),
+            format!("this is not the report of a reshaping ({e}); delete its folder"),
         )
     })
 }

@@ -75,7 +75,7 @@ fn figures(report: &Report) -> String {
             ),
         ),
     ]);
-    rows.extend(report.remeshes.iter().map(|remesh| ("Tets made anew", remesh.sentence())));
+    rows.extend(report.remeshes.iter().map(|remesh| ("Remeshed", remesh.sentence())));
     rows.extend([
         ("Inverted tets", report.inverted_tets.to_string()),
         ("Principal stretches", format!("{low:.3} to {high:.3}")),

@@ -1,4 +1,4 @@
-//! Reshaping in legs. Where tets have become so flat that the solver finds no way on, the shape it
+//! Reshaping in legs. Where tets have become so flat that the solver makes no progress, the shape it
 //! reached is filled with new tets, and that is the rest shape of the next leg. \[W\] leaves this to
 //! future work.
 //!
@@ -89,7 +89,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// Reshapes, and where the solver finds no way on, on new tets.
+    /// Reshapes, and where the solver makes no further progress, on new tets.
     pub fn run(
         job: &ReshapeJob,
         problem: Problem,
@@ -113,8 +113,8 @@ impl Course {
                     course.reshaped.summary.stop = Stop::Cancelled;
                     break;
                 }
-                Ok(_) => "new tets did not lead on".to_owned(),
-                Err(failure) => format!("it could not be gone on with new tets: {failure}"),
+                Ok(_) => "remeshing did not improve the fit".to_owned(),
+                Err(failure) => format!("remeshing failed: {failure}"),
             };
             course.warnings.push(note);
             break;

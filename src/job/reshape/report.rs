@@ -18,7 +18,7 @@ use crate::reshape::{IterationRecord, Refinement};
 pub enum Ending {
     /// The solver is satisfied.
     Good,
-    /// The solver found no way on; the result is the best shape it had.
+    /// The solver could not make further progress; the result is its best shape.
     GaveUp,
     /// The caller asked to stop; the result is the best shape so far.
     Interrupted,

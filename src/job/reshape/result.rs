@@ -8,7 +8,7 @@ use crate::fem::{principal_stretches, stretches_of};
 use crate::math::{Mat3, Vec3, median};
 use crate::measure::{Spread, marker_distances};
 use crate::mesh::quality::dihedral_angles;
-use crate::mesh::{TetMesh, TriMesh, signed_volume};
+use crate::mesh::{TetMesh, TetQuality, TriMesh};
 use crate::reshape::{Options, Pair, Stop, Tolerances};
 
 /// A pair farther off than so many tolerances, and than so many times the median, is suspect.
@@ -49,7 +49,7 @@ impl Outcome {
         let summary = &reshaped.summary;
         let (ending, why) = ending(summary.stop);
         let distances = self.distances(inputs);
-        let inverted_tets = inverted(&problem.tets, &reshaped.tet_points);
+        let inverted_tets = TetQuality::of(&problem.tets.tets, &reshaped.tet_points).inverted;
         let now = &reshaped.tet_points;
         let inside: Vec<usize> = (0..problem.tets.tets.len())
             .filter(|&t| problem.inside_fraction[t] >= INSIDE)
@@ -168,11 +168,6 @@ fn inverted_warning(count: usize) -> Vec<String> {
         "{count} tets came out inverted; the shape is folded there: allow a larger tolerance, or look for markers that contradict each other"
     );
     if count == 0 { Vec::new() } else { vec![sentence] }
-}
-
-fn inverted(mesh: &TetMesh, points: &[Vec3]) -> usize {
-    let volume = |tet: &&[u32; 4]| signed_volume(tet.map(|v| points[v as usize]));
-    mesh.tets.iter().filter(|tet| volume(tet) <= 0.0).count()
 }
 
 fn stretch_range(gradients: &[Mat3], inside: &[usize]) -> [f64; 2] {

@@ -128,7 +128,7 @@ pub struct ReshapeJob {
     #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, default_missing_value = "true",
         value_name = "BOOL", help_heading = "Solver"))]
     pub reverse_term: Option<bool>,
-    /// Weight of smoothness, without unit
+    /// Weight of smoothness, dimensionless
     #[cfg_attr(feature = "cli", arg(long, value_name = "X", help_heading = "Solver"))]
     pub smoothness: Option<f64>,
     /// Distance over which strain fades away from data, as a multiple of the template's size
@@ -140,7 +140,7 @@ pub struct ReshapeJob {
     /// Iterations allowed
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
     pub max_iterations: Option<usize>,
-    /// Make the tets anew where they get too flat to go on, so many times at most; 0: never
+    /// Remesh where the tets get too flat to continue, this many times at most; 0: never
     /// [default: 3]
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
     pub remesh: Option<usize>,
