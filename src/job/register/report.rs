@@ -174,11 +174,13 @@ impl RegisterReport {
             ("Verdict", &found.skeleton, self.verdict_colours(&found.skeleton)),
         ];
         let part = |(title, skeleton, colours): (&str, &Skeleton, Vec<Colour>)| {
-            let key =
-                if title == "Verdict" { "Pale: good. Orange: doubtful. Red: failed." } else { "" };
+            let key = match title {
+                "Verdict" => "<p>Pale: good. Orange: doubtful. Red: failed.</p>\n",
+                _ => "",
+            };
             let views = [View::Front, View::Side]
                 .map(|view| image(&picture(skeleton, &colours, view), title));
-            format!("<h2>{title}</h2>\n<p>{key}</p>\n{}", views.concat())
+            format!("<h2>{title}</h2>\n{key}{}", views.concat())
         };
         pictures.map(part).concat()
     }

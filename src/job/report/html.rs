@@ -12,7 +12,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#1c1c22;back
 max-width:72rem;margin:2rem auto;padding:0 1rem}h1{font-size:1.5rem}h2{font-size:1.1rem;\
 margin-top:2rem}table{border-collapse:collapse}td,th{padding:.2rem .9rem .2rem 0;text-align:left;\
 border-bottom:1px solid #ddd;vertical-align:top}td.n,th.n{text-align:right;\
-font-variant-numeric:tabular-nums}.row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;width:440px;max-width:100%}\
+font-variant-numeric:tabular-nums}td.n,td:first-child{white-space:nowrap}.row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;width:440px;max-width:100%}\
 .grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(280px,1fr));gap:1rem}\
 .grid figure{width:auto}figcaption{color:#555;font-size:.9rem}img,svg{max-width:100%;height:auto}.good{color:#176b2c}\
 .doubtful{color:#955b00}.failed{color:#a11}ul.notes{background:#fff6e0;padding:.6rem 1rem .6rem 2rem}\
