@@ -110,7 +110,7 @@ class Scan(unittest.TestCase):
         path = Path(self.folder.name) / "noise.nrrd"
         scenes.write_egg_scan(path, numpy.arange(41**3).reshape(41, 41, 41) % 9000 - 500)
         self.settings.label_map = str(path)
-        with self.assertRaisesRegex(RuntimeError, "no label map"):
+        with self.assertRaisesRegex(RuntimeError, "not a label map"):
             bpy.ops.moulage.markers_from_label()
 
     def test_window_presets_change_the_picture(self):
