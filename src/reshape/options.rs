@@ -57,7 +57,7 @@ impl Default for Options {
     }
 }
 
-/// How far data of each kind may be off, in the template's unit.
+/// How far data of each kind may be off.
 #[derive(Clone, Copy, Debug)]
 pub struct Tolerances {
     /// Markers.
@@ -69,13 +69,14 @@ pub struct Tolerances {
 }
 
 impl Options {
-    /// The tolerances with their defaults, which follow from the size of the template.
-    pub fn tolerances(&self, template: &TriMesh) -> Tolerances {
-        let marker = self.tolerance.unwrap_or(template.diagonal() / DIAGONAL_TOLERANCES);
+    /// The tolerances with their defaults, which follow from the size of the template, in `unit`s of the
+    /// template's own.
+    pub fn tolerances(&self, template: &TriMesh, unit: f64) -> Tolerances {
+        let marker = self.tolerance.unwrap_or(template.diagonal() / DIAGONAL_TOLERANCES) / unit;
         Tolerances {
             marker,
-            landmark: self.landmark_tolerance.unwrap_or(LANDMARK_TOLERANCE * marker),
-            attachment: self.attachment_tolerance.unwrap_or(marker),
+            landmark: self.landmark_tolerance.map_or(LANDMARK_TOLERANCE * marker, |t| t / unit),
+            attachment: self.attachment_tolerance.map_or(marker, |t| t / unit),
         }
     }
 

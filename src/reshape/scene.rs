@@ -168,7 +168,7 @@ impl Scene {
         let markers: Vec<(Vec3, f64)> =
             problem.markers.iter().map(|m| (units.inward(&m.position), m.weight)).collect();
         let positions: Vec<Vec3> = markers.iter().map(|m| m.0).collect();
-        let tolerances = options.tolerances(&problem.surface);
+        let tolerances = options.tolerances(&problem.surface, length);
         let triangles = problem.surface.triangles.clone();
         Ok(Self {
             body: body(&tets, units, springs, options, earlier)?,
@@ -176,12 +176,13 @@ impl Scene {
                 .reverse_term
                 .then(|| Coverage::of_slices(&positions, &surface))
                 .flatten(),
-            folds: (!options.paper).then(|| Folds::new(template, &triangles, tolerances.marker)),
+            folds: (!options.paper)
+                .then(|| Folds::new(template, &triangles, tolerances.marker * length)),
             surface_tree: ClosestPoints::new(&at_rest, &triangles),
             marker_groups: marker_groups(&positions),
-            marker_sigma: tolerances.marker / length,
-            landmark_sigma: tolerances.landmark / length,
-            attachment_sigma: tolerances.attachment / length,
+            marker_sigma: tolerances.marker,
+            landmark_sigma: tolerances.landmark,
+            attachment_sigma: tolerances.attachment,
             length,
             center,
             numbering,

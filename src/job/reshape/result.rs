@@ -37,7 +37,7 @@ impl Outcome {
         let stretch = stretches_of(&course.gradients(), &problem.tets, &problem.embedding);
         Self {
             markers: inputs.markers.iter().map(|m| m.position).collect(),
-            tolerances: options.tolerances(&inputs.surface),
+            tolerances: options.tolerances(&inputs.surface, 1.0),
             stretch,
             course,
         }

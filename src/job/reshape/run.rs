@@ -164,7 +164,7 @@ fn options(job: &ReshapeJob, template: &TriMesh) -> Options {
     options.tolerance = job.tolerance;
     options.landmark_tolerance = job.landmark_tolerance;
     options.attachment_tolerance = job.attachment_tolerance;
-    options.tolerance = Some(options.tolerances(template).marker);
+    options.tolerance = Some(options.tolerances(template, 1.0).marker);
     options
 }
 
