@@ -230,7 +230,7 @@ fn a_muscle_leaves_a_bone_that_runs_through_it() {
     assert!(result.after.is_empty(), "{:?}", result.after);
     let soft = (&result.surface_points[0][..], &muscle.triangles[..]);
     assert_apart(soft, (&bone.surface.points, &bone.surface.triangles));
-    // The muscle reaches to x = -0.35 and 0.35, the bone to -0.2: the way out is 0.55.
+    // The muscle reaches to x = -0.35 and 0.35, the bone to -0.2: leaving takes 0.55.
     let (moved, farthest) = result.moved[0];
     assert!((0.4..0.75).contains(&farthest), "{moved} vertices by {farthest}");
 }

@@ -14,7 +14,7 @@ Progress.__doc__ = """Where a run stands; lengths in the template's unit, NaN wh
 
 
 class Run(Handle):
-    """A computation under way on a thread of the library; when it is garbage, or its `with` block is left, it is
+    """A computation that runs on a thread of the library; when it is garbage, or its `with` block is left, it is
     cancelled."""
 
     kind = "run"

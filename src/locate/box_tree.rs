@@ -1,7 +1,7 @@
 //! A tree of axis-aligned boxes over items of any kind (triangles, tets, points).
 //!
 //! Own code rather than a crate because refitting to moved items is the hot path of the solvers and
-//! ties must fall the same way on every run: the libraries at hand either rebuild or leave ties open.
+//! ties must fall alike in every run: the libraries at hand either rebuild or leave ties open.
 
 use rayon::prelude::*;
 

@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_out_is_the_side_that_faces_the_other_surface() {
+    fn the_escape_is_to_the_side_that_faces_the_other_surface() {
         let (points, triangles) = sphere(16, 24);
         let closest = ClosestPoints::new(&points, &triangles);
         let p = Vec3::new(0.0, 0.0, 0.4);

@@ -8,15 +8,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
+use super::escape::{Shared, escape_directions};
 use super::overlap::crossings;
 use super::scene::{Body, Skin, near_pairs, surface_point};
-use super::way_out::{Shared, ways_out};
 use crate::fem::MaterialPoint;
 use crate::locate::closest_on_triangle;
 use crate::math::Vec3;
 use crate::mesh::adjacency::Lists;
 
-/// A vertex leaves through triangles whose normals lie within this cosine of its way out.
+/// A vertex leaves through triangles whose normals lie within this cosine of its escape direction.
 const FACING: f64 = 0.5;
 
 /// A pair of triangles that crossed and no longer does counts down to this share of the margin inside.
@@ -140,7 +140,7 @@ impl Detector<'_> {
     ) {
         let (skin, other) = (&skins[s], &skins[o]);
         let first_triangle = first_triangles(skin);
-        let ways = ways_out(skin, other, inside, shared, &self.graphs[s]);
+        let ways = escape_directions(skin, other, inside, shared, &self.graphs[s]);
         let hits: Vec<_> = (0..skin.points.len())
             .into_par_iter()
             .with_min_len(64)
@@ -164,7 +164,7 @@ impl Detector<'_> {
     }
 
     /// Triangle, place in it, normal and signed distance of what the vertex at `p` is in contact
-    /// with; `way`: the way out of a vertex inside.
+    /// with; `way`: the escape direction of a vertex inside.
     fn vertex(
         &self,
         p: &Vec3,

@@ -6,7 +6,7 @@
 //! the other; here all bodies that touch are solved together, so that each yields its share.
 //!
 //! - `contacts` - which surface points are too near, and in which direction they part
-//! - `way_out`  - in which direction a vertex leaves another body
+//! - `escape`   - in which direction a vertex leaves another body
 //! - `patch`    - the vertices that may move
 //! - `islands`  - bodies that are solved together
 //! - `holds`    - what keeps bodies in their places
@@ -17,6 +17,7 @@
 
 mod contacts;
 mod energy;
+mod escape;
 mod holds;
 mod islands;
 mod options;
@@ -25,7 +26,6 @@ mod patch;
 mod scene;
 mod solver;
 mod summary;
-mod way_out;
 
 pub use options::Options;
 pub use overlap::{Overlap, overlaps};

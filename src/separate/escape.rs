@@ -18,7 +18,7 @@ use crate::mesh::adjacency::Lists;
 const REACH: f64 = 2.0;
 
 /// What two surfaces shared when their overlap was first seen. Directions found again in each round would
-/// send a wall that is halfway out back the way it came.
+/// send a wall that has half left back to where it came from.
 pub(super) struct Shared {
     /// Points of the other surface inside, with their share of its area as outward vectors.
     sources: Vec<(Vec3, Vec3)>,
@@ -60,7 +60,7 @@ impl Shared {
 
 /// A unit direction for each vertex that `inside` marks; zero for the others and for pieces that lie
 /// inside as a whole. `graph`: neighbours of each vertex of `skin`.
-pub(super) fn ways_out(
+pub(super) fn escape_directions(
     skin: &Skin,
     other: &Skin,
     inside: &[bool],
@@ -143,7 +143,7 @@ mod tests {
         let graph = vertex_neighbours(finger.points.len(), &finger_triangles);
         let ball_inside: Vec<bool> = ball.points.iter().map(|p| finger.solid.holds(p)).collect();
         let shared = Shared::new(&finger, &ball, (&inside, &ball_inside));
-        let ways = ways_out(&finger, &ball, &inside, &shared, &graph);
+        let ways = escape_directions(&finger, &ball, &inside, &shared, &graph);
         let tip = (0..finger.points.len())
             .min_by(|&a, &b| finger.points[a].z.total_cmp(&finger.points[b].z));
         let tip = tip.unwrap();
