@@ -7,7 +7,7 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::registration_result::{MlgRegistrationResult, RegistrationResult};
-use super::run::{MlgRun, RunObject, hand_over};
+use super::run::{MlgRun, RunObject, result_of};
 use super::shape_model::{MlgShapeModel, ModelObject};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::volume::MlgVolume;
@@ -346,8 +346,7 @@ pub unsafe extern "C" fn mlg_run_wait_registration(
     out_result: *mut *mut MlgRegistrationResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { hand_over::<RegistrationResult, _>(run, out_result, "out_result") })
+    access::make((out_result, "out_result"), error, || result_of::<RegistrationResult>(run))
 }
 
 /// Registers and returns when it is done: `mlg_registration_start` and `mlg_run_wait_registration` in

@@ -3,7 +3,7 @@
 use libc::c_char;
 use std::sync::Arc;
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard, name_of};
+use super::boundary::{MlgError, MlgStatus, guard, name_of};
 use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
@@ -168,7 +168,7 @@ pub unsafe extern "C" fn mlg_registration_result_skeleton(
     error: *mut MlgError,
 ) -> MlgStatus {
     access::make((out_skeleton, "out_skeleton"), error, || {
-        let result = object(result)?;
+        let result = handles::get::<RegistrationResult, _>(result, "result")?;
         let document = result_document(&result.template.document, &result.registered);
         let skeleton = result.registered.skeleton.clone();
         let surfaces = result.template.surfaces.clone();
@@ -183,11 +183,12 @@ pub unsafe extern "C" fn mlg_registration_result_summary(
     out_summary: *mut MlgRegistrationSummary,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = object(result)?;
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_summary, result.summary(), "out_summary") }
-    })
+    access::fill(
+        (result, "result"),
+        (out_summary, "out_summary"),
+        error,
+        |result: &RegistrationResult| Ok(result.summary()),
+    )
 }
 
 /// Tells how a bone, a number from 0, fits. `out_fit`: its `struct_size` must be set.
@@ -198,10 +199,9 @@ pub unsafe extern "C" fn mlg_registration_result_bone_fit(
     out_fit: *mut MlgBoneFit,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = object(result)?;
+    access::fill((result, "result"), (out_fit, "out_fit"), error, |result: &RegistrationResult| {
         let found = buffers::entry(&result.registered.bones, bone, "bone")?;
-        let fit = MlgBoneFit {
+        Ok(MlgBoneFit {
             struct_size: size_of::<MlgBoneFit>(),
             mean_residual: found.mean_residual,
             max_residual: found.max_residual,
@@ -210,9 +210,7 @@ pub unsafe extern "C" fn mlg_registration_result_bone_fit(
             reserved: 0,
             verdict: number_of(found.verdict),
             reason_count: found.reasons.len() as u32,
-        };
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_fit, fit, "out_fit") }
+        })
     })
 }
 
@@ -225,22 +223,24 @@ pub unsafe extern "C" fn mlg_registration_result_joint_pose(
     out_pose: *mut MlgJointPose,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = object(result)?;
-        let found = buffers::entry(&result.registered.joints, joint, "joint")?;
-        let pose = MlgJointPose {
-            struct_size: size_of::<MlgJointPose>(),
-            centre: found.centre.into(),
-            rotation: found.rotation.into(),
-            usage: found.usage,
-            excess_rotation: found.excess_degrees.to_radians(),
-            shift: found.shift,
-            excess_shift: found.excess_shift,
-            seam: found.seam,
-        };
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_pose, pose, "out_pose") }
-    })
+    access::fill(
+        (result, "result"),
+        (out_pose, "out_pose"),
+        error,
+        |result: &RegistrationResult| {
+            let found = buffers::entry(&result.registered.joints, joint, "joint")?;
+            Ok(MlgJointPose {
+                struct_size: size_of::<MlgJointPose>(),
+                centre: found.centre.into(),
+                rotation: found.rotation.into(),
+                usage: found.usage,
+                excess_rotation: found.excess_degrees.to_radians(),
+                shift: found.shift,
+                excess_shift: found.excess_shift,
+                seam: found.seam,
+            })
+        },
+    )
 }
 
 /// The coefficients of the shape model, in standard deviations: `*out_count` numbers, borrowed until the
@@ -265,7 +265,7 @@ pub unsafe extern "C" fn mlg_registration_result_carry(
 ) -> MlgStatus {
     guard(error, || {
         buffers::check_out(out_points, "out_points")?;
-        let result = object(result)?;
+        let result = handles::get::<RegistrationResult, _>(result, "result")?;
         let tissue = handles::get::<Surface, _>(tissue, "tissue")?;
         tissue.check_triangles("tissue")?;
         let bones = &result.registered.skeleton.points;
@@ -288,8 +288,7 @@ pub unsafe extern "C" fn mlg_registration_result_bone_reasons(
     out_length: *mut usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = object(result)?;
+    access::with((result, "result"), error, |result: &RegistrationResult| {
         let text = buffers::entry(&result.registered.bones, bone, "bone")?.reasons.join("\n");
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
@@ -308,8 +307,7 @@ pub unsafe extern "C" fn mlg_registration_result_warnings(
     out_length: *mut usize,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let result = object(result)?;
+    access::with((result, "result"), error, |result: &RegistrationResult| {
         let text = result.registered.warnings(&result.template.skeleton).join("\n");
         // SAFETY: the caller's promise (see the module).
         unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
@@ -320,8 +318,4 @@ pub unsafe extern "C" fn mlg_registration_result_warnings(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_registration_result_free(result: *mut MlgRegistrationResult) {
     access::free::<RegistrationResult, _>(result);
-}
-
-fn object(result: *const MlgRegistrationResult) -> Outcome<Arc<RegistrationResult>> {
-    handles::get::<RegistrationResult, _>(result, "result")
 }

@@ -1,9 +1,9 @@
 //! Reshaping: started, or run to its end.
 
-use super::boundary::{MlgError, MlgStatus, Outcome, guard};
+use super::boundary::{MlgError, MlgStatus, Outcome};
 use super::reshaping::{MlgReshaping, MlgReshapingOptions, ProblemObject, options_of};
 use super::result::{MlgReshapingResult, ReshapingResult};
-use super::run::{MlgRun, RunObject, hand_over};
+use super::run::{MlgRun, RunObject, result_of};
 use super::{access, handles};
 use crate::reshape::{Options, Problem, reshape, reshape_again};
 use crate::run::Run;
@@ -68,8 +68,7 @@ pub unsafe extern "C" fn mlg_run_wait_reshaping(
     out_result: *mut *mut MlgReshapingResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { hand_over::<ReshapingResult, _>(run, out_result, "out_result") })
+    access::make((out_result, "out_result"), error, || result_of::<ReshapingResult>(run))
 }
 
 /// Reshapes and returns when it is done: `mlg_reshaping_start` and `mlg_run_wait_reshaping` in one.

@@ -54,7 +54,7 @@ pub struct MlgProgress {
 // SAFETY: repr(C), plain numbers, size first.
 unsafe impl Versioned for MlgProgress {}
 
-/// A result of any kind; `hand_over` knows which.
+/// A result of any kind; `RunObject::take` knows which.
 type Answer = Box<dyn Any + Send>;
 
 /// Whether a computation has ended, and who waits for that.
@@ -167,17 +167,9 @@ impl Drop for RunObject {
     }
 }
 
-/// The body of every `mlg_run_wait_...`: waits and gives the result a handle of its own.
-pub(super) unsafe fn hand_over<T: Any + Send + Sync, H>(
-    run: *mut MlgRun,
-    out_result: *mut *mut H,
-    name: &str,
-) -> Outcome<()> {
-    buffers::check_out(out_result, name)?;
-    let object = handles::get::<RunObject, _>(run, "run")?;
-    let result: T = object.take()?;
-    // SAFETY: passed on from the caller.
-    unsafe { buffers::write(out_result, handles::give(result), name) }
+/// The result of a run, for the `mlg_run_wait_...` of its kind: waits for it.
+pub(super) fn result_of<T: Any>(run: *mut MlgRun) -> Outcome<T> {
+    handles::get::<RunObject, _>(run, "run")?.take()
 }
 
 /// Tells where a run stands; takes less than a microsecond. `out_progress`: its `struct_size` must

@@ -8,7 +8,7 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
 use super::result::{MlgReshapingResult, ReshapingResult};
-use super::run::{MlgRun, RunObject, hand_over};
+use super::run::{MlgRun, RunObject, result_of};
 use super::separation_result::{MlgSeparationResult, SeparationResult};
 use super::{access, handles};
 use crate::mesh::TetMesh;
@@ -235,8 +235,7 @@ pub unsafe extern "C" fn mlg_run_wait_separation(
     out_result: *mut *mut MlgSeparationResult,
     error: *mut MlgError,
 ) -> MlgStatus {
-    // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { hand_over::<SeparationResult, _>(run, out_result, "out_result") })
+    access::make((out_result, "out_result"), error, || result_of::<SeparationResult>(run))
 }
 
 /// Separates and returns when it is done: `mlg_separation_start` and `mlg_run_wait_separation` in one.

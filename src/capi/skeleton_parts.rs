@@ -2,11 +2,10 @@
 
 use libc::c_char;
 use std::ptr;
-use std::sync::Arc;
 
-use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
+use super::access;
+use super::boundary::{Failure, MlgError, MlgStatus};
 use super::skeleton::{MlgJoint, MlgSkeleton, SkeletonObject, matrix_of};
-use super::{access, buffers, handles};
 use crate::math::Vec3;
 
 /// Number of bones; 0 for a handle that is not valid.
@@ -80,30 +79,32 @@ pub unsafe extern "C" fn mlg_skeleton_joint(
     out_joint: *mut MlgJoint,
     error: *mut MlgError,
 ) -> MlgStatus {
-    guard(error, || {
-        let object = object(skeleton)?;
-        let Some(found) = object.skeleton.joints.get(joint) else {
-            return Err(Failure::invalid(format!(
-                "joint {joint} does not exist: there are {} (numbered from 0)",
-                object.skeleton.joints.len()
-            )));
-        };
-        let answer = MlgJoint {
-            struct_size: size_of::<MlgJoint>(),
-            name: object.joint_names[joint].as_ptr(),
-            parent: found.parent as u32,
-            child: found.child as u32,
-            in_tree: u32::from(found.in_tree),
-            has_frames: 1,
-            world_from_parent_frame: matrix_of(&found.parent_frame),
-            world_from_child_frame: matrix_of(&found.child_frame),
-            negative_limits: array(&found.limits.negative),
-            positive_limits: array(&found.limits.positive),
-            shift_limit: found.limits.shift,
-        };
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::fill(out_joint, answer, "out_joint") }
-    })
+    access::fill(
+        (skeleton, "skeleton"),
+        (out_joint, "out_joint"),
+        error,
+        |object: &SkeletonObject| {
+            let Some(found) = object.skeleton.joints.get(joint) else {
+                return Err(Failure::invalid(format!(
+                    "joint {joint} does not exist: there are {} (numbered from 0)",
+                    object.skeleton.joints.len()
+                )));
+            };
+            Ok(MlgJoint {
+                struct_size: size_of::<MlgJoint>(),
+                name: object.joint_names[joint].as_ptr(),
+                parent: found.parent as u32,
+                child: found.child as u32,
+                in_tree: u32::from(found.in_tree),
+                has_frames: 1,
+                world_from_parent_frame: matrix_of(&found.parent_frame),
+                world_from_child_frame: matrix_of(&found.child_frame),
+                negative_limits: array(&found.limits.negative),
+                positive_limits: array(&found.limits.positive),
+                shift_limit: found.limits.shift,
+            })
+        },
+    )
 }
 
 /// The named angles of the joints in the skeleton's pose: `*out_count` numbers, radians, borrowed
@@ -127,10 +128,6 @@ pub unsafe extern "C" fn mlg_skeleton_angle_name(
     access::read_or(ptr::null(), skeleton, |object: &SkeletonObject| {
         object.angle_names.get(angle).map_or(ptr::null(), |n| n.as_ptr())
     })
-}
-
-fn object(skeleton: *const MlgSkeleton) -> Outcome<Arc<SkeletonObject>> {
-    handles::get::<SkeletonObject, _>(skeleton, "skeleton")
 }
 
 fn array(v: &Vec3) -> [f64; 3] {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
 use super::mesh::{MlgTetMesh, MlgTriMesh, Surface};
-use super::run::{MlgRun, RunObject, hand_over};
+use super::run::{MlgRun, RunObject, result_of};
 use super::{access, handles};
 use crate::mesh::{TetMesh, TetQuality};
 use crate::run::Run;
@@ -192,8 +192,7 @@ pub unsafe extern "C" fn mlg_run_wait_tetrahedralization(
     out_tets: *mut *mut MlgTetrahedralization,
     error: *mut MlgError,
 ) -> MlgStatus {
-    // SAFETY: the caller's promise (see the module).
-    guard(error, || unsafe { hand_over::<Carried, _>(run, out_tets, "out_tets") })
+    access::make((out_tets, "out_tets"), error, || result_of::<Carried>(run))
 }
 
 /// Takes tets made elsewhere; each vertex of the surface is carried by the tet that holds it, or
