@@ -7,12 +7,11 @@ use std::sync::Arc;
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome};
 use super::skeleton::{MlgSkeleton, SkeletonObject, c_name};
-use super::skeleton_files::has_extension;
 use super::{access, buffers, handles};
 use crate::io::gltf::write_glb;
+use crate::io::has_extension;
 use crate::job::{metres_per_unit, read_motion, scene, write_motion_file};
-use crate::register::animation::Motion;
-use crate::register::animation::unknown_angles;
+use crate::register::animation::{Motion, unknown_angles};
 
 /// Named angles over time, and the skeleton that they move. Immutable; may be read from many threads.
 pub struct MlgMotion;

@@ -12,7 +12,7 @@ use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::measure::marker_distances;
 use crate::mesh::{TetMesh, TetQuality};
-use crate::reshape::{Landmark, Problem, Reshaped, Stop, TemplatePoint};
+use crate::reshape::{Landmark, Problem, Reshaped, Stop};
 use crate::separate::Body;
 
 /// A reshaped template. Immutable; may be read from many threads.
@@ -99,11 +99,8 @@ fn pair_distances(problem: &Problem, reshaped: &Reshaped) -> Outcome<(Vec<f64>, 
     if pairs.is_empty() {
         return Ok((Vec::new(), Vec::new()));
     }
-    let at_rest = |pair: &&Landmark| match pair.template {
-        TemplatePoint::Vertex(vertex) => problem.surface.points[vertex as usize],
-        TemplatePoint::Position(position) => position,
-    };
-    let places: Vec<Vec3> = pairs.iter().map(at_rest).collect();
+    let places: Vec<Vec3> =
+        pairs.iter().map(|pair| pair.template.position(&problem.surface.points)).collect();
     let moved = Embedding::new(&problem.tets, &places)?.apply(&reshaped.tet_points);
     let mut landmarks: Vec<f64> =
         pairs.iter().zip(moved).map(|(pair, now)| (now - pair.target).norm()).collect();

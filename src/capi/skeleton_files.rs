@@ -11,7 +11,7 @@ use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers};
 use crate::error::Result;
 use crate::io::gltf::write_glb;
-use crate::io::{file_name, write_beside, write_surface};
+use crate::io::{file_name, has_extension, write_beside, write_surface};
 use crate::job::skeleton_build::{build_skeleton, skeleton_document};
 use crate::job::{
     metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene, write_osim,
@@ -180,8 +180,4 @@ pub unsafe extern "C" fn mlg_skeleton_save_osim(
         // SAFETY: as above.
         unsafe { buffers::write_text(&notes.join("\n"), buffer, capacity, out_length) }
     })
-}
-
-pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

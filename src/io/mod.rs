@@ -82,4 +82,6 @@ pub use veg::parse_veg;
 pub use volumes::{VolumeFile, is_volume, read_volume};
 pub use vtu_read::parse_vtu;
 pub use vtu_write::{DataArray, write_vtu};
-pub use write::{check_writable, file_name, read_bytes, read_text, stem, write_beside};
+pub use write::{
+    check_writable, file_name, has_extension, read_bytes, read_text, stem, write_beside, write_json,
+};

@@ -6,6 +6,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use serde::Serialize;
+
 use crate::error::{Error, Result};
 
 /// The bytes of a file.
@@ -22,6 +24,11 @@ pub fn read_text(path: &Path) -> Result<String> {
 /// A file's name without folder and extension.
 pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Whether a file's name ends in this extension, in letters of either case.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
 }
 
 /// A name without anything that means something in a path.
@@ -46,6 +53,14 @@ pub fn write_beside(
         // The first error is the one to tell; a leftover that cannot be removed is harmless.
         let _ = fs::remove_file(&beside);
         Error::io("write", path, e)
+    })
+}
+
+/// Writes a value as JSON with indentation, see [`write_beside`].
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    write_beside(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        writeln!(out)
     })
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::io::stem;
 use crate::io::{
-    DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_beside,
+    DataArray, SurfaceFile, check_writable, read_markers, read_surface, read_tets, write_json,
     write_ply, write_vtu,
 };
 use crate::mesh::{TetMesh, TriMesh};
@@ -129,10 +129,7 @@ pub(crate) fn separate_files(
         seconds: started.elapsed().as_secs_f64(),
         written,
     };
-    write_beside(&path, |out| {
-        serde_json::to_writer_pretty(&mut *out, &report)?;
-        writeln!(out)
-    })?;
+    write_json(&path, &report)?;
     Ok(report)
 }
 

@@ -27,16 +27,16 @@ impl Registered {
         let beyond = beyond.map(|joint| (joint.excess_degrees, joint.name.as_str()));
         if let Some(worst) = worst_joints(beyond, 1) {
             warnings.push(format!(
-            "joints turn beyond the template's limits, by degrees: {worst}; see whether this person can do that"
-        ));
+                "joints turn beyond the template's limits, by degrees: {worst}; see whether this person can do that"
+            ));
         }
         let apart = self.joints.iter().zip(&template.joints);
         let apart = apart.filter(|(joint, template)| joint.seam > 2.0 * template.limits.shift);
         let apart = apart.map(|(joint, _)| (joint.seam, joint.name.as_str()));
         if let Some(worst) = worst_joints(apart, 2) {
             warnings.push(format!(
-            "the two bones disagree on the centre by more than twice the allowed shift in {worst}"
-        ));
+                "the two bones disagree on the centre by more than twice the allowed shift in {worst}"
+            ));
         }
         warnings
     }

@@ -30,9 +30,10 @@ pub struct Pair {
 impl Pair {
     /// A landmark with its place on `surface`.
     pub fn of(landmark: &Landmark, surface: &TriMesh) -> Self {
-        let (position, vertex) = match landmark.template {
-            TemplatePoint::Vertex(v) => (surface.points[v as usize], Some(v)),
-            TemplatePoint::Position(position) => (position, None),
+        let position = landmark.template.position(&surface.points);
+        let vertex = match landmark.template {
+            TemplatePoint::Vertex(v) => Some(v),
+            TemplatePoint::Position(_) => None,
         };
         let Landmark { label, target, weight, .. } = landmark.clone();
         Self { label, position, vertex, target, weight }

@@ -14,6 +14,16 @@ pub enum TemplatePoint {
     Position(Vec3),
 }
 
+impl TemplatePoint {
+    /// Where it is at rest; `vertices`: of the template's surface.
+    pub fn position(&self, vertices: &[Vec3]) -> Vec3 {
+        match *self {
+            Self::Vertex(v) => vertices[v as usize],
+            Self::Position(position) => position,
+        }
+    }
+}
+
 /// A point on the person's surface, without correspondence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {

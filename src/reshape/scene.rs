@@ -114,13 +114,8 @@ struct Places<'a> {
 
 impl Places<'_> {
     fn pairs(&self, list: &[Landmark]) -> Result<Vec<Pair>> {
-        let positions: Vec<Vec3> = list
-            .iter()
-            .map(|l| match l.template {
-                TemplatePoint::Vertex(v) => self.template[v as usize],
-                TemplatePoint::Position(p) => p,
-            })
-            .collect();
+        let positions: Vec<Vec3> =
+            list.iter().map(|l| l.template.position(self.template)).collect();
         let anywhere = list.iter().any(|l| matches!(l.template, TemplatePoint::Position(_)));
         let embedding =
             if anywhere { Embedding::new(self.tets, &positions)? } else { Embedding::default() };

@@ -10,7 +10,7 @@ use super::solver::{Ending, Separation};
 use crate::locate::WindingNumber;
 use crate::math::Vec3;
 use crate::measure::{Spread, marker_distances};
-use crate::mesh::signed_volume;
+use crate::mesh::TetQuality;
 
 /// Two surfaces that overlapped.
 #[derive(Clone, Debug, Serialize)]
@@ -95,7 +95,6 @@ fn moved_body(
     separation: &Separation,
 ) -> MovedBody {
     let now = &separation.tet_points[b];
-    let volume = |tet: &[u32; 4]| signed_volume(tet.map(|v| now[v as usize]));
     let (mut contradicting_markers, mut free) = (Vec::new(), Vec::new());
     for (m, place) in body.markers.iter().enumerate() {
         match walls.iter().find(|(_, wall)| wall.is_inside(place)) {
@@ -110,7 +109,7 @@ fn moved_body(
         vertices: body.embedding.len(),
         moved: separation.moved[b].0,
         largest_move: separation.moved[b].1,
-        inverted_tets: body.tets.tets.iter().filter(|tet| volume(tet) <= 0.0).count(),
+        inverted_tets: TetQuality::of(&body.tets.tets, now).inverted,
         marker_distance: (!free.is_empty()).then(|| {
             [
                 distances(&body.surface_points(&body.tets.points)),

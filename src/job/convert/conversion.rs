@@ -6,8 +6,8 @@ use super::osim_read::read_osim_skeleton;
 use super::osim_write::write_osim;
 use crate::error::{Error, Result};
 use crate::io::gltf::write_glb;
-use crate::io::{write_beside, write_surface};
-use crate::job::register::motion_files::{is_bvh, read_motion, write_motion_file};
+use crate::io::{has_extension, write_beside, write_surface};
+use crate::job::register::motion_files::{read_motion, write_motion_file};
 use crate::job::register::scene::{metres_per_unit, scene};
 use crate::job::register::skeleton_files::read_skeleton;
 use crate::register::animation::unknown_angles;
@@ -84,7 +84,7 @@ fn convert_motion(job: &Conversion) -> Result<Vec<String>> {
     let skeleton = read_skeleton(skeleton)?.skeleton;
     let motion = read_motion(&job.from, &skeleton, &job.flip)?;
     write_motion_file(&job.to, &skeleton, &motion)?;
-    Ok(if is_bvh(&job.to) {
+    Ok(if has_extension(&job.to, "bvh") {
         unknown_angles(&skeleton, &motion).into_iter().collect()
     } else {
         Vec::new()

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::io::osim::{OsimModel, parse_osim};
 use crate::io::skeleton::SkeletonDocument;
 use crate::io::vtp::read_vtp;
-use crate::io::{file_name, read_bytes, read_surface};
+use crate::io::{file_name, has_extension, read_bytes, read_surface};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
@@ -44,7 +44,7 @@ fn find_mesh(model: &Path, name: &str) -> Result<PathBuf> {
 }
 
 fn read_mesh(path: &Path) -> Result<TriMesh> {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("vtp")) {
+    if has_extension(path, "vtp") {
         return read_vtp(path);
     }
     read_surface(path)?.mesh()

@@ -9,6 +9,7 @@ use crate::io::markup::escaped;
 use crate::io::read_surface;
 use crate::job::report::html::{self, Column, image, marked, notes, table};
 use crate::job::report::picture::{Colour, View, draw};
+use crate::job::report::stages;
 use crate::job::separate::SeparationReport;
 use crate::measure::Spread;
 use crate::mesh::TriMesh;
@@ -36,8 +37,6 @@ pub(crate) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Res
             surfaces.push((read_surface(&out.join(path))?.mesh()?, PALETTE[k % PALETTE.len()]));
         }
     }
-    let stages: Vec<String> =
-        report.stages.iter().map(|s| format!("{} {:.1}", s.name, s.seconds)).collect();
     let mut known = report.warnings.clone();
     for object in &report.objects {
         let warnings = object.figures.iter().flat_map(|f| &f.warnings);
@@ -49,7 +48,7 @@ pub(crate) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Res
         format!(
             "<p>{:.0} seconds: {}.</p>\n",
             report.stages.iter().map(|s| s.seconds).sum::<f64>(),
-            stages.join(", ")
+            stages::sentence(&report.stages)
         ),
         notes(&known),
         pictures(&surfaces, &bones),
@@ -82,15 +81,12 @@ fn verdict(report: &AnatomyReport) -> String {
 }
 
 fn pictures(surfaces: &[(TriMesh, Colour)], bones: &[TriMesh]) -> String {
-    let (mut points, mut triangles, mut colours) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut mesh, mut colours) = (TriMesh::default(), Vec::new());
     let coloured = surfaces.iter().map(|(surface, colour)| (surface, *colour));
     for (surface, colour) in bones.iter().map(|s| (s, BONE)).chain(coloured) {
-        let first = points.len() as u32;
-        points.extend_from_slice(&surface.points);
-        triangles.extend(surface.triangles.iter().map(|t| t.map(|v| first + v)));
-        colours.resize(points.len(), colour);
+        mesh.append(surface);
+        colours.resize(mesh.points.len(), colour);
     }
-    let mesh = TriMesh { points, triangles };
     let views = [(View::Front, "objects from the front"), (View::Side, "objects from the right")];
     views.map(|(view, alt)| image(&draw(&mesh, &colours, &[], &mesh.points, view), alt)).concat()
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::provenance::{InputFile, hash, inputs};
 use crate::error::{Error, Result};
-use crate::io::{read_bytes, write_beside};
+use crate::io::{read_bytes, write_json};
 use crate::job::reshape::report::Ending;
 use crate::job::reshape::run::run_reshape;
 use crate::job::reshape::spec::ReshapeJob;
@@ -109,10 +109,7 @@ impl CaseRecord {
 
     /// Writes it into the case's folder.
     pub(crate) fn write(&self, folder: &Path) -> Result<()> {
-        write_beside(&folder.join(RECORD), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            writeln!(out)
-        })
+        write_json(&folder.join(RECORD), self)
     }
 }
 

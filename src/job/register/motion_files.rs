@@ -5,6 +5,7 @@ use std::path::Path;
 use super::bvh_motion::{bvh_of_motion, motion_of_bvh};
 use crate::error::{Error, Result};
 use crate::io::bvh::{read_bvh, write_bvh};
+use crate::io::has_extension;
 use crate::io::mot::{self, MotionTable, write_motion};
 use crate::register::Skeleton;
 use crate::register::animation::Motion;
@@ -12,7 +13,7 @@ use crate::register::animation::Motion;
 /// Reads a motion, OpenSim's or a BVH of the skeleton's bones; the angles named in `flip` change their
 /// sign.
 pub fn read_motion(path: &Path, skeleton: &Skeleton, flip: &[String]) -> Result<Motion> {
-    let mut motion = if is_bvh(path) {
+    let mut motion = if has_extension(path, "bvh") {
         motion_of_bvh(skeleton, &read_bvh(path)?, path)?
     } else {
         let table = mot::read_motion(path)?;
@@ -31,14 +32,9 @@ pub fn read_motion(path: &Path, skeleton: &Skeleton, flip: &[String]) -> Result<
 
 /// Writes a motion of a skeleton: `.bvh`, or OpenSim's `.mot`.
 pub fn write_motion_file(path: &Path, skeleton: &Skeleton, motion: &Motion) -> Result<()> {
-    if is_bvh(path) {
+    if has_extension(path, "bvh") {
         return write_bvh(path, &bvh_of_motion(skeleton, motion)?);
     }
     let Motion { names, times, frames } = motion.clone();
     write_motion(path, &MotionTable { names, times, rows: frames })
-}
-
-/// Whether the file is a BVH by its name.
-pub fn is_bvh(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh"))
 }

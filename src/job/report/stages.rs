@@ -13,6 +13,13 @@ pub struct Stage {
     pub seconds: f64,
 }
 
+/// Stages with their seconds, in words.
+pub(crate) fn sentence(stages: &[Stage]) -> String {
+    let words: Vec<String> =
+        stages.iter().map(|s| format!("{} {:.1}", s.name, s.seconds)).collect();
+    words.join(", ")
+}
+
 /// The stages of a run so far.
 pub(crate) struct Stages {
     last: Instant,

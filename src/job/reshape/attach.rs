@@ -14,7 +14,7 @@ pub(crate) fn attachments(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<Pai
     let mut pairs = Vec::new();
     let mut targets = job.attachment_targets.iter().flatten();
     for path in job.attachments.iter().flatten() {
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+        if io::has_extension(path, "csv") {
             let gap = job.attachment_gap.unwrap_or_default();
             pairs.extend(read_attachment_pairs(path, surface, gap)?);
         } else {
@@ -57,7 +57,6 @@ pub fn read_attachment_pairs(path: &Path, surface: &TriMesh, gap: Gap) -> Result
 
 fn from_bone(bone: &Path, target: &Path, surface: &TriMesh, distance: f64) -> Result<Vec<Pair>> {
     let (rest, person) = (io::read_surface(bone)?.mesh()?, io::read_surface(target)?.mesh()?);
-    let name = bone.file_stem().unwrap_or_default().to_string_lossy();
-    attach_to_bone(&name, &rest.points, &person.points, surface, distance)
+    attach_to_bone(&io::stem(bone), &rest.points, &person.points, surface, distance)
         .map_err(|e| Error::invalid(format!("{} and {}: {e}", bone.display(), target.display())))
 }

@@ -8,7 +8,7 @@ use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
 use crate::fem::principal_stretches;
-use crate::io::{DataArray, check_writable, write_ply, write_vtu};
+use crate::io::{DataArray, check_writable, stem, write_ply, write_vtu};
 use crate::measure::distance_to_markers;
 use crate::mesh::{TetMesh, TriMesh};
 use crate::reshape::Reshaped;
@@ -85,7 +85,7 @@ pub(crate) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Res
 
 /// \[W\] 4.3: other meshes follow the tets they lie in; points outside follow the nearest tet.
 fn write_carried(out: &Path, inputs: &Inputs, course: &Course) -> Result<Vec<PathBuf>> {
-    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = stem(out);
     let mut written = Vec::new();
     for (path, file, points) in &inputs.carried {
         let name = path.file_name().unwrap_or_default().to_string_lossy();

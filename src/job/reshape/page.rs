@@ -5,6 +5,7 @@ use super::report::{Change, Ending, PairLine, Report, Shapes};
 use crate::io::markup::escaped;
 use crate::job::report::html::{self, Column, figure, marked, notes, number, picture, table};
 use crate::job::report::picture::{Colour, Dot, View, draw};
+use crate::job::report::stages;
 use crate::math::Vec3;
 use crate::measure::Spread;
 use crate::mesh::TriMesh;
@@ -58,13 +59,15 @@ pub fn page(report: &Report, shapes: &Shapes) -> String {
 /// The figures of \[W\] Table 2, and some more.
 fn figures(report: &Report) -> String {
     let [low, high] = report.stretch_range;
-    let stages: Vec<String> =
-        report.stages.iter().map(|s| format!("{} {:.1}", s.name, s.seconds)).collect();
     let mut rows = fit_figures(report);
     rows.extend([
         ("Template", report.template.display().to_string()),
         ("Markers", report.markers.to_string()),
-        ("Fixed vertices", report.fixed.to_string()),
+    ]);
+    if report.fixed > 0 {
+        rows.push(("Fixed vertices", report.fixed.to_string()));
+    }
+    rows.extend([
         ("Tolerance", number(report.tolerance)),
         ("Template vertices", report.vertices.to_string()),
         (
@@ -81,7 +84,7 @@ fn figures(report: &Report) -> String {
         ("Principal stretches", format!("{low:.3} to {high:.3}")),
         ("Volume, result / template", format!("{:.4}", report.volume_ratio)),
         ("Iterations", report.iteration_count.to_string()),
-        ("Seconds", stages.join(", ")),
+        ("Seconds", stages::sentence(&report.stages)),
     ]);
     rows.extend(report.written.iter().map(|path| ("Written", path.display().to_string())));
     let cells = rows.into_iter().map(|(name, value)| vec![name.to_owned(), escaped(&value)]);
