@@ -133,7 +133,7 @@ fn run(problem: &Problem, tolerance: f64) -> Reshaped {
 }
 
 fn effort(result: &Reshaped) -> String {
-    let last = result.summary.iterations.len() - 1;
+    let last = result.summary.iteration_count();
     format!("{last} iterations, {} Newton steps", result.summary.newton_steps)
 }
 

@@ -5,7 +5,8 @@ use moulage::locate::ClosestPoints;
 use moulage::math::{Mat3, Vec3};
 use moulage::mesh::TriMesh;
 use moulage::reshape::{
-    Landmark, Marker, Options, Problem, Reshaped, Stop, TemplatePoint, reshape, reshape_again,
+    IterationRecord, Landmark, Marker, Options, Problem, Reshaped, Stop, TemplatePoint, reshape,
+    reshape_again,
 };
 use moulage::tetrahedralize::{self, Method, tetrahedralize};
 use moulage::{Run, TetMesh};
@@ -95,6 +96,23 @@ fn markers_are_met_and_no_tet_is_inverted() {
     assert!(last.mean_marker_distance < 2e-3, "{}", last.mean_marker_distance);
     assert!(matches!(result.summary.stop, Stop::Settled | Stop::ToleranceMet));
     assert_eq!(inverted(&problem, &result), 0);
+}
+
+#[test]
+fn the_log_has_one_record_for_each_iteration() {
+    let (_, settled, _) = attached(|_| Vec3::zeros());
+    let records = &settled.summary.iterations;
+    // Each iteration changes the shape, or takes Newton steps to find that nothing is better.
+    let same = |a: &IterationRecord, b: &IterationRecord| {
+        a.newton_steps == b.newton_steps && a.objective.total_cmp(&b.objective).is_eq()
+    };
+    assert!(records.windows(2).all(|pair| !same(&pair[0], &pair[1])), "{records:?}");
+    assert_eq!(records.last().unwrap().newton_steps, settled.summary.newton_steps);
+
+    let options = Options { max_iterations: 3, ..Options::default() };
+    let stopped = reshape(&problem(1.0, |p| *p), &options, &Run::new()).unwrap();
+    assert_eq!(stopped.summary.stop, Stop::IterationLimit);
+    assert_eq!((stopped.summary.iteration_count(), stopped.summary.iterations.len()), (3, 4));
 }
 
 #[test]

@@ -143,7 +143,7 @@ impl ReshapingResult {
         MlgReshapingSummary {
             struct_size: size_of::<MlgReshapingSummary>(),
             stop: stop as u32,
-            iterations: self.reshaped.summary.iterations.len().saturating_sub(1) as u32,
+            iterations: self.reshaped.summary.iteration_count() as u32,
             newton_steps: self.reshaped.summary.newton_steps as u32,
             inverted_tets: self.quality().inverted as u32,
             mean_marker_distance: distances.iter().sum::<f64>() / distances.len() as f64,

@@ -10,9 +10,11 @@ use crate::fem::rigid_modes;
 use crate::math::symmetric3::{MULTIPLICITY, exp, exp_with_derivatives};
 use crate::math::{Mat3, Sym3, Vec3};
 
-use super::evidence::{Belief, Contact, Weights, rows};
+use super::correspondences::Correspondences;
+use super::data_terms::rows;
 use super::rows::Rows;
 use super::scene::Scene;
+use super::weights::{Weighting, Weights};
 
 /// Iterations; correspondences settle well before.
 const ITERATIONS: usize = 100;
@@ -41,8 +43,8 @@ pub fn affine_start(scene: &Scene) -> AffineStart {
     };
     for _ in 0..ITERATIONS {
         let x = place(&rotation, &translation, &s);
-        let contact = Contact::new(scene, &x);
-        let data = rows(scene, &contact, &spread_weights(scene, &contact, &x), &x);
+        let correspondences = Correspondences::new(scene, &x);
+        let data = rows(scene, &correspondences, &spread_weights(scene, &correspondences, &x), &x);
         let step = step(&data, &x, rest, &rotation, &s);
         s += step.fixed_rows::<6>(0);
         let turn = Rotation3::new(step.fixed_rows::<3>(9).into_owned()).into_inner();
@@ -56,9 +58,9 @@ pub fn affine_start(scene: &Scene) -> AffineStart {
 }
 
 /// Weights for a fit that cannot be exact: each group counts by the spread of its residuals.
-fn spread_weights(scene: &Scene, contact: &Contact, x: &[Vec3]) -> Weights {
-    let mut weights = Weights::new(scene, contact, x, Belief::ROBUST, false);
-    let distances = contact.distances();
+fn spread_weights(scene: &Scene, correspondences: &Correspondences, x: &[Vec3]) -> Weights {
+    let mut weights = Weights::new(scene, correspondences, x, Weighting::ROBUST, &[]);
+    let distances = correspondences.distances();
     let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
     let scale = scene.marker_sigma.powi(2) / mean_square.max(scene.marker_sigma.powi(2));
     for weight in &mut weights.markers {

@@ -3,14 +3,14 @@
 //! Numbering, symbolic factor and smoothness are those of the earlier run, and so are its shape and
 //! strain to begin with. A few steps at the full weight of the data are enough.
 
+use super::objective::Objective;
 use super::options::Options;
 use super::problem::Problem;
+use super::schedule::Schedule;
 use super::solver::{Reshaped, Solver};
+use super::summary::Stop;
 use crate::error::{Error, Result};
 use crate::run::Run;
-
-/// A step that lowers the objective by less than this share is the last.
-const SETTLED: f64 = 0.15;
 
 /// Reshapes the template of `earlier` for a problem that differs in its markers, landmarks,
 /// attachments or fixed points. Fails for another template or other options, and as
@@ -32,7 +32,14 @@ pub fn reshape_again(
         return Err(Error::invalid("the earlier result had other options; reshape from the start"));
     }
     run.enter("preparing", 0.0);
-    let (mut solver, state) = Solver::again(problem, earlier, run)?;
-    let state = solver.settle(state, SETTLED)?;
-    Ok(solver.finish(state, problem))
+    let (objective, state) = Objective::again(problem, earlier)?;
+    let schedule = Schedule::again();
+    let mut solver = Solver::new(objective, run);
+    let start = solver.start(state, schedule.weighting)?;
+    let mut ended = solver.minimize(start, schedule)?;
+    if ended.stop == Stop::NoStep {
+        // The earlier shape had settled: that there is no better step is no failure.
+        ended.stop = Stop::Settled;
+    }
+    Ok(solver.finish(ended, problem))
 }

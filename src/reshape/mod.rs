@@ -2,28 +2,30 @@
 
 mod affine_start;
 mod again;
+mod correspondences;
 mod coverage;
 mod damping;
+mod data_terms;
 mod earlier;
-mod evidence;
-mod far_markers;
 mod folds;
 mod gauss_newton;
 mod inspect;
-mod lagging_attachments;
 mod linearization;
 mod marker_groups;
 mod numbering;
+mod objective;
 mod options;
 mod pairs;
 mod problem;
 mod refine;
 mod rows;
 mod scene;
+mod schedule;
 mod solver;
 mod step;
 mod summary;
 mod trial;
+mod weights;
 mod woodbury;
 
 pub use again::reshape_again;

@@ -79,6 +79,8 @@ pub struct Scene {
     pub landmark_sigma: f64,
     /// Noise of a trusted attachment.
     pub attachment_sigma: f64,
+    /// Whether attachments are met whatever the markers say.
+    pub hard_attachments: bool,
 }
 
 /// Where the solver's unit and origin are in the template's frame.
@@ -178,6 +180,7 @@ impl Scene {
             marker_sigma: tolerances.marker,
             landmark_sigma: tolerances.landmark,
             attachment_sigma: tolerances.attachment,
+            hard_attachments: options.hard_attachments,
             length,
             center,
             numbering,

@@ -1,38 +1,30 @@
-//! The outer loop: correspond, linearise, step, until the markers are met.
+//! The algorithm: correspond, linearise, step, until the markers are met.
 
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fem::{EquilibriumOptions, PlasticState, StrainSmoothness, StrainSpace};
-use crate::math::{Mat3, Sym3, Vec3};
+use crate::fem::EquilibriumOptions;
+use crate::math::{Mat3, Vec3};
 use crate::run::Run;
 
-use super::affine_start::affine_start;
 use super::damping::Damping;
 use super::earlier::{Earlier, State};
-use super::evidence::{Belief, Contact, Weights, rows};
+use super::objective::{Evaluation, Objective, Shape};
 use super::options::Options;
 use super::problem::Problem;
-use super::scene::Scene;
+use super::schedule::Schedule;
 use super::summary::{IterationRecord, Stop, Summary};
-
-/// The markers' weight starts at this share of its final value and grows by the factor below.
-const FIRST_DATA_SCALE: f64 = 1e-4;
-const DATA_SCALE_GROWTH: f64 = 8.0;
-
-/// A free body's markers gain weight when the last step lowered the objective by less than this share.
-/// Raising it sooner leaves them caught in wrong matches. A held body starts near and slides along
-/// itself for as long as the markers are weak: there they gain weight with every step.
-const LEVEL_DECREASE: f64 = 0.2;
-
-/// After a smaller relative decrease at the full weight, no better step is a good end.
-const SETTLING_DECREASE: f64 = 0.05;
-
-/// Two relative decreases of the objective below this, one after the other, end the run.
-const SMALL_DECREASE: f64 = 0.01;
+use super::weights::{Weighting, has_far_markers, lagging_attachments};
 
 /// Newton steps and residual (relative to E l^2) of the start, which may be far from equilibrium.
 const START: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 200 };
+
+/// Share of the objective that following all markers must gain to be tried once more.
+const WORTH_ANOTHER: f64 = 0.02;
+
+/// An attachment that lags gains this factor in weight, so often at most.
+const ATTACHMENT_GAIN: f64 = 2.0;
+const ATTACHMENT_ROUNDS: usize = 8;
 
 /// A reshaped template.
 #[derive(Clone, Debug)]
@@ -51,16 +43,19 @@ pub struct Reshaped {
 
 /// One reshaping under way.
 pub struct Solver<'a> {
-    pub scene: Scene,
-    pub space: StrainSpace,
-    pub options: &'a Options,
-    pub run: &'a Run,
-    pub smoothness: Arc<StrainSmoothness>,
-    pub anchor: Arc<Vec<Sym3>>,
-    pub damping: Damping,
-    pub summary: Summary,
-    /// What each attachment's weight was multiplied by.
-    pub attachment_gains: Vec<f64>,
+    objective: Objective<'a>,
+    run: &'a Run,
+    damping: Damping,
+    records: Vec<IterationRecord>,
+    newton_steps: usize,
+}
+
+/// Where a run of steps ended, and why.
+pub struct Ended {
+    pub at: Evaluation,
+    pub stop: Stop,
+    /// Whether no step was found from there.
+    pub stuck: bool,
 }
 
 /// Reshapes the template. A cancelled run returns its best shape so far.
@@ -68,250 +63,194 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     problem.check()?;
     options.check()?;
     run.enter("preparing", 0.0);
-    let (mut solver, state) = Solver::start(problem, options, run)?;
-    let state = solver.minimize(state, FIRST_DATA_SCALE)?;
-    let state = solver.reconsider_far_markers(state)?;
-    let state = solver.pull_lagging_attachments(state)?;
-    Ok(solver.finish(state, problem))
+    let (objective, start) = Objective::new(problem, options)?;
+    let schedule = Schedule::growing(objective.scene.body.is_free());
+    let mut solver = Solver::new(objective, run);
+    let start = solver.start(start, schedule.weighting)?;
+    let mut ended = solver.minimize(start, schedule)?;
+    // The published formulation does without.
+    if !options.paper {
+        ended = solver.reconsider_far_markers(ended)?;
+        ended = solver.pull_lagging_attachments(ended)?;
+    }
+    Ok(solver.finish(ended, problem))
 }
 
 impl<'a> Solver<'a> {
-    /// The first state: constant strain for a free body, statics for a held one.
-    fn start(problem: &Problem, options: &'a Options, run: &'a Run) -> Result<(Self, State)> {
-        let scene = Scene::new(problem, options, None)?;
-        let space = strain_space(options);
-        let carriers = space.carriers(scene.body.mesh.points.len(), scene.body.mesh.tets.len());
-        let (strain, x) = if scene.body.is_free() {
-            let start = affine_start(&scene);
-            (start.strain, start.x)
-        } else {
-            (Sym3::zeros(), scene.body.mesh.points.clone())
-        };
-        let anchor = vec![space.from_logarithm(&strain); carriers];
-        let screening = options.screening.unwrap_or_else(|| scene.default_screening(&x));
-        let floor = |fraction: &f64| fraction.max(SMALLEST_TET_WEIGHT);
-        let tet_weight: Vec<f64> =
-            scene.numbering.tets(&problem.inside_fraction).iter().map(floor).collect();
-        let smoothness = StrainSmoothness::new(
-            &scene.body,
-            &space,
-            if options.paper { PAPER_SMOOTHNESS } else { options.smoothness },
-            (screening.is_finite() && !options.paper).then_some(screening),
-            &tet_weight,
-        )?;
-        let mut solver = Self {
-            attachment_gains: vec![1.0; scene.attachments.len()],
-            scene,
-            space,
-            options,
-            run,
-            smoothness: smoothness.into(),
-            anchor: anchor.into(),
-            damping: Damping::default(),
-            summary: Summary::default(),
-        };
-        let s = solver.anchor.to_vec();
-        let state = solver.equilibrium(s, x)?;
-        Ok((solver, state))
+    pub fn new(objective: Objective<'a>, run: &'a Run) -> Self {
+        let (damping, records) = (Damping::default(), Vec::new());
+        Self { objective, run, damping, records, newton_steps: 0 }
     }
 
-    /// The state of an earlier run.
-    pub(super) fn again(
-        problem: &Problem,
-        earlier: &'a Earlier,
-        run: &'a Run,
-    ) -> Result<(Self, State)> {
-        let options = &earlier.options;
-        let mut solver = Self {
-            attachment_gains: vec![1.0; problem.attachments.len()],
-            scene: Scene::new(problem, options, Some(earlier))?,
-            space: strain_space(options),
-            options,
-            run,
-            smoothness: earlier.smoothness.clone(),
-            anchor: earlier.anchor.clone(),
-            damping: Damping::default(),
-            summary: Summary::default(),
-        };
-        solver.keep_attachment_gains(&earlier.attachment_gains);
-        let State { s, x } = earlier.state.clone();
-        let state = solver.equilibrium(s, x)?;
-        Ok((solver, state))
+    /// The shape in equilibrium with a strain, from a shape near by.
+    pub fn start(&mut self, near: State, weighting: Weighting) -> Result<Shape> {
+        let State { s, x } = near;
+        let plastic = self.objective.plastic(&s);
+        let equilibrium = self.objective.scene.body.equilibrate(x, &plastic, &START)?;
+        self.newton_steps += equilibrium.steps;
+        let shape = self.objective.shape(State { s, x: equilibrium.x });
+        let start = self.objective.evaluate(shape, weighting);
+        self.record(&start);
+        Ok(start.shape)
     }
 
-    /// The shape in equilibrium with the strain `s`, from a shape near by.
-    fn equilibrium(&mut self, s: Vec<Sym3>, x: Vec<Vec3>) -> Result<State> {
-        let plastic = self.plastic(&s);
-        let equilibrium = self.scene.body.equilibrate(x, &plastic, &START)?;
-        self.summary.newton_steps += equilibrium.steps;
-        Ok(State { s, x: equilibrium.x })
-    }
-
-    /// Gauss-Newton with the markers' weight growing from a share of it, until nothing is gained.
-    pub(super) fn minimize(&mut self, mut state: State, mut scale: f64) -> Result<State> {
-        let mut small_decreases = 0;
-        // Whether the last step, at the full weight, gained little: where markers change their
-        // matches, the objective has kinks, and then no better step is no fault.
-        let mut settling = scale >= 1.0;
+    /// Gauss-Newton steps, for as long as the schedule has them.
+    pub fn minimize(&mut self, start: Shape, mut schedule: Schedule) -> Result<Ended> {
+        let mut at = self.objective.evaluate(start, schedule.weighting);
         loop {
-            let belief = Belief { scale, robust: true };
-            self.record(&state, belief);
             if let Some(stop) = self.interruption() {
-                self.summary.stop = stop;
-                return Ok(state);
+                return Ok(Ended { at, stop, stuck: false });
             }
-            let accepted = self.step(&state, belief)?;
-            let decrease = accepted.as_ref().map(|(_, decrease)| *decrease);
-            if let Some((next, _)) = accepted {
-                state = next;
+            let step = self.objective.step(&at, self.damping, self.run)?;
+            self.damping = step.damping;
+            self.newton_steps += step.newton_steps;
+            let stuck = step.gain.is_none();
+            let goes_on = schedule.goes_on(step.gain);
+            at = self.objective.evaluate(step.reached.unwrap_or(at.shape), schedule.weighting);
+            self.record(&at);
+            if !goes_on && !self.run.is_cancelled() {
+                let stop = self.reason(&at, schedule.is_settled());
+                return Ok(Ended { at, stop, stuck });
             }
-            let small = decrease.unwrap_or(0.0) < SMALL_DECREASE;
-            small_decreases = if small { small_decreases + 1 } else { 0 };
-            if let Some(decrease) = decrease {
-                settling = scale >= 1.0 && decrease < SETTLING_DECREASE;
-            }
-            if scale >= 1.0 && (small_decreases == 2 || decrease.is_none()) {
-                self.record(&state, belief);
-                self.summary.stop = self.verdict(settling);
-                return Ok(state);
-            }
-            scale = self.next_data_scale(scale, decrease.unwrap_or(0.0));
         }
     }
 
-    fn next_data_scale(&self, scale: f64, decrease: f64) -> f64 {
-        if self.scene.markers.is_empty() {
-            1.0
-        } else if self.scene.body.is_free() && decrease >= LEVEL_DECREASE {
-            scale
+    /// Markers that lie far off when the run has settled get another chance: in a narrow cleft that is
+    /// half closed they match the wrong sheet and, as outliers, have too little weight to change that.
+    /// After some steps towards every marker, a right one lies on its own sheet and a wrong one is
+    /// given up as before. The lower objective is kept.
+    fn reconsider_far_markers(&mut self, mut best: Ended) -> Result<Ended> {
+        while best.stop == Stop::Settled
+            && self.interruption().is_none()
+            && has_far_markers(&self.objective.scene, &best.at.shape.correspondences)
+        {
+            self.damping = Damping::default();
+            let towards_all = self.minimize(best.at.shape.clone(), Schedule::literal())?;
+            self.damping = Damping::default();
+            let other = self.minimize(towards_all.at.shape, Schedule::full_weight())?;
+            let gain = 1.0 - other.at.objective / best.at.objective;
+            let stop = other.stop.after_settling();
+            if gain > 0.0 {
+                best = Ended { stop, ..other };
+            } else {
+                self.take_back(&best.at);
+                best.stop = stop;
+            }
+            if gain < WORTH_ANOTHER {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Attachments that are still farther off than allowed when the run has settled gain weight, until all
+    /// but outliers are within the tolerance.
+    fn pull_lagging_attachments(&mut self, mut best: Ended) -> Result<Ended> {
+        let has_settled = matches!(best.stop, Stop::Settled | Stop::ToleranceMet);
+        if !has_settled || self.objective.scene.hard_attachments {
+            return Ok(best);
+        }
+        for _ in 0..ATTACHMENT_ROUNDS {
+            let lagging = lagging_attachments(&self.objective.scene, &best.at.shape.state.x);
+            if self.interruption().is_some() || lagging.is_empty() {
+                break;
+            }
+            for i in lagging {
+                self.objective.attachment_gains[i] *= ATTACHMENT_GAIN;
+            }
+            best = self.minimize(best.at.shape, Schedule::follow())?;
+            best.stop = best.stop.after_settling();
+        }
+        Ok(best)
+    }
+
+    /// Why steps ended by themselves.
+    fn reason(&self, at: &Evaluation, is_settled: bool) -> Stop {
+        let tolerance = self.objective.scene.marker_sigma;
+        if at.shape.correspondences.hits.iter().all(|hit| hit.distance <= tolerance) {
+            Stop::ToleranceMet
+        } else if is_settled {
+            Stop::Settled
         } else {
-            (scale * DATA_SCALE_GROWTH).min(1.0)
+            Stop::NoStep
         }
-    }
-
-    /// Gauss-Newton at the full weight of the data, until a step gains less than the share `least`.
-    pub(super) fn settle(&mut self, mut state: State, least: f64) -> Result<State> {
-        loop {
-            self.record(&state, Belief::ROBUST);
-            if let Some(stop) = self.interruption() {
-                self.summary.stop = stop;
-                return Ok(state);
-            }
-            let accepted = self.step(&state, Belief::ROBUST)?;
-            let decrease = accepted.as_ref().map(|(_, decrease)| *decrease);
-            if let Some((next, _)) = accepted {
-                state = next;
-            }
-            if decrease.is_none_or(|decrease| decrease < least) {
-                self.record(&state, Belief::ROBUST);
-                // A settled start has no better step, and that is no fault.
-                self.summary.stop = self.verdict(true);
-                return Ok(state);
-            }
-        }
-    }
-
-    /// Why the iteration ended by itself.
-    fn verdict(&self, stepped: bool) -> Stop {
-        let tolerance = self.scene.marker_sigma * self.scene.length;
-        let met =
-            self.summary.iterations.last().is_some_and(|r| r.max_marker_distance <= tolerance);
-        match (met, stepped) {
-            (true, _) => Stop::ToleranceMet,
-            (false, true) => Stop::Settled,
-            (false, false) => Stop::NoStep,
-        }
-    }
-
-    /// What the data say about the shape `x`.
-    pub fn data(&self, x: &[Vec3], weights: &Weights) -> f64 {
-        rows(&self.scene, &Contact::new(&self.scene, x), weights, x).energy()
-    }
-
-    pub fn prior(&self, s: &[Sym3]) -> f64 {
-        let u: Vec<Sym3> = s.iter().zip(self.anchor.iter()).map(|(s, a)| s - a).collect();
-        self.smoothness.energy(&u)
-    }
-
-    pub fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {
-        self.space.states(s, &self.scene.body.mesh.tets)
-    }
-
-    /// Fp of every tet.
-    fn plastic_strain(&self, s: &[Sym3]) -> Vec<Mat3> {
-        let tets = self.scene.body.mesh.tets.iter().enumerate();
-        tets.map(|(t, tet)| self.space.plastic_strain(s, t, tet)).collect()
     }
 
     /// Notes where the run stands and tells those who watch.
-    pub(super) fn record(&mut self, state: &State, belief: Belief) {
-        let contact = Contact::new(&self.scene, &state.x);
-        let distances = contact.distances();
-        let mean =
-            distances.iter().sum::<f64>() / distances.len().max(1) as f64 * self.scene.length;
-        let max = distances.iter().copied().fold(0.0, f64::max) * self.scene.length;
-        let weights =
-            Weights::new(&self.scene, &contact, &state.x, belief, self.options.hard_attachments);
-        let data = rows(&self.scene, &contact, &weights, &state.x).energy();
-        let record = IterationRecord {
-            data_scale: belief.scale,
-            objective: data + self.prior(&state.s),
-            mean_marker_distance: mean,
-            max_marker_distance: max,
-            newton_steps: self.summary.newton_steps,
-            seconds: self.run.progress().seconds,
-        };
-        self.summary.iterations.push(record);
-        let iteration = self.summary.iterations.len() - 1;
+    fn record(&mut self, at: &Evaluation) {
+        let record = self.record_of(at);
+        self.records.push(record);
+        let iteration = self.records.len() - 1;
         self.run.update(|p| {
             p.iteration = iteration;
             p.energy = record.objective;
-            p.mean_error = mean;
-            p.max_error = max;
+            p.mean_error = record.mean_marker_distance;
+            p.max_error = record.max_marker_distance;
             p.fraction = 1.0 - 0.85_f64.powi(iteration as i32);
             "fitting".clone_into(&mut p.stage);
         });
-        self.run.publish_preview(&self.scene.outward(&self.scene.embedding.apply(&state.x)));
+        let scene = &self.objective.scene;
+        self.run.publish_preview(&scene.outward(&at.shape.correspondences.points));
+    }
+
+    /// The last iteration led nowhere: the run stands where it did before.
+    fn take_back(&mut self, at: &Evaluation) {
+        let record = self.record_of(at);
+        if let Some(last) = self.records.last_mut() {
+            *last = record;
+        }
+    }
+
+    fn record_of(&self, at: &Evaluation) -> IterationRecord {
+        let distances = at.shape.correspondences.distances();
+        let length = self.objective.scene.length;
+        let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
+        IterationRecord {
+            data_scale: at.weighting.scale,
+            objective: at.objective,
+            mean_marker_distance: mean * length,
+            max_marker_distance: distances.iter().copied().fold(0.0, f64::max) * length,
+            newton_steps: self.newton_steps,
+            seconds: self.run.progress().seconds,
+        }
     }
 
     /// Why to stop before the end, if so.
-    pub(super) fn interruption(&self) -> Option<Stop> {
+    fn interruption(&self) -> Option<Stop> {
         if self.run.is_cancelled() {
             return Some(Stop::Cancelled);
         }
-        (self.summary.iterations.len() > self.options.max_iterations)
-            .then_some(Stop::IterationLimit)
+        (self.records.len() > self.objective.options.max_iterations).then_some(Stop::IterationLimit)
     }
 
-    pub(super) fn finish(self, state: State, problem: &Problem) -> Reshaped {
-        let tet_points = self.scene.outward(&state.x);
+    /// The result, in the template's units and order.
+    pub fn finish(self, ended: Ended, problem: &Problem) -> Reshaped {
+        let Objective { scene, options, smoothness, anchor, attachment_gains, .. } =
+            &self.objective;
+        let state = ended.at.shape.state;
+        let tet_points = scene.outward(&state.x);
+        let plastic_strain = self.objective.plastic_strain(&state.s);
         Reshaped {
-            surface_points: self.scene.embedding.apply(&tet_points),
-            tet_points: self.scene.numbering.restore(&tet_points),
-            plastic_strain: self.scene.numbering.restore_tets(&self.plastic_strain(&state.s)),
-            summary: self.summary,
+            surface_points: scene.embedding.apply(&tet_points),
+            tet_points: scene.numbering.restore(&tet_points),
+            plastic_strain: scene.numbering.restore_tets(&plastic_strain),
+            summary: Summary {
+                iterations: self.records,
+                newton_steps: self.newton_steps,
+                stop: ended.stop,
+                stuck: ended.stuck,
+            },
             earlier: Arc::new(Earlier {
-                options: self.options.clone(),
+                options: (*options).clone(),
                 rest_surface: problem.surface.points.clone(),
                 rest_tets: problem.tets.clone(),
-                numbering: self.scene.numbering,
-                body: self.scene.body,
-                smoothness: self.smoothness,
-                anchor: self.anchor,
+                numbering: scene.numbering.clone(),
+                body: scene.body.clone(),
+                smoothness: smoothness.clone(),
+                anchor: anchor.clone(),
                 state,
-                attachment_gains: self.attachment_gains,
+                attachment_gains: attachment_gains.clone(),
             }),
         }
     }
 }
-
-fn strain_space(options: &Options) -> StrainSpace {
-    if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM }
-}
-
-/// Smallest share of a tet's volume that counts for the smoothness: nearly empty boundary tets
-/// of a lattice would otherwise be free to invert.
-const SMALLEST_TET_WEIGHT: f64 = 0.1;
-
-/// Weight of the graph Laplacian in the published formulation.
-const PAPER_SMOOTHNESS: f64 = 1.0;

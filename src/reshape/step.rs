@@ -3,15 +3,16 @@
 use rayon::prelude::*;
 
 use super::damping::Damping;
-use super::earlier::State;
-use super::evidence::{Belief, Contact, Weights, representatives, rows};
+use super::data_terms::representatives;
 use super::gauss_newton::{Direction, NormalEquations};
 use super::linearization::Linearization;
-use super::solver::Solver;
-use super::trial::Origin;
+use super::objective::{Evaluation, Objective, Shape};
+use super::rows::Rows;
+use super::trial::{Candidate, Origin, Trial};
 use crate::error::Result;
 use crate::fem::Sensitivity;
 use crate::material::{InversionBarrier, StableNeoHookean};
+use crate::run::Run;
 
 /// Pairs of trials before the search for a step is given up.
 const MAX_ROUNDS: i32 = 3;
@@ -33,99 +34,109 @@ enum Search<'a> {
     Damping(NormalEquations<'a, InversionBarrier<StableNeoHookean>>),
 }
 
-/// One trial, judged.
-struct Attempt {
-    /// The state, where it lowers the objective.
-    state: Option<State>,
-    /// Its objective.
-    value: f64,
-    /// How to go on from it.
-    next_damping: Damping,
-    newton_steps: usize,
+/// One Gauss-Newton step.
+pub struct Step {
+    /// Where it led; `None` when no step lowers the objective.
+    pub reached: Option<Shape>,
+    /// The share of the objective that it took away.
+    pub gain: Option<f64>,
+    /// Of the next step.
+    pub damping: Damping,
+    /// Newton steps of all trials.
+    pub newton_steps: usize,
 }
 
-impl Solver<'_> {
-    /// One Gauss-Newton step; `None` when no step lowers the objective. With it the relative
-    /// decrease.
-    pub(super) fn step(&mut self, state: &State, belief: Belief) -> Result<Option<(State, f64)>> {
-        let contact = Contact::new(&self.scene, &state.x);
-        let weights =
-            Weights::new(&self.scene, &contact, &state.x, belief, self.options.hard_attachments);
-        let rows = rows(&self.scene, &contact, &weights, &state.x);
-        let representatives = representatives(&self.scene, &contact, &weights, &state.x);
+impl Objective<'_> {
+    /// One Gauss-Newton step.
+    pub fn step(&self, at: &Evaluation, damping: Damping, run: &Run) -> Result<Step> {
+        let (body, state) = (&self.scene.body, &at.shape.state);
         let plastic = self.plastic(&state.s);
-        let (body, x) = (&self.scene.body, &state.x);
         let (stiffness, sensitivity) = rayon::join(
-            || body.factor_stiffness(x, &plastic),
-            || Sensitivity::new(body, &self.space, x, &plastic),
+            || body.factor_stiffness(&state.x, &plastic),
+            || Sensitivity::new(body, &self.space, &state.x, &plastic),
         );
         let stiffness = stiffness?;
-        let at = Linearization::new(body, &stiffness, &sensitivity, x);
-        let objective = rows.energy() + self.prior(&state.s);
-        let origin = Origin { state, at: &at, weights: &weights, objective };
-        let search = if self.options.paper && !self.scene.body.is_free() {
-            let direction = at.woodbury_direction(
-                &rows,
-                &self.smoothness,
-                &state.s,
-                &self.anchor,
-                DIRECTION_REDUCTION,
-            );
-            Search::Halving(direction)
-        } else {
-            let few = representatives.as_ref();
-            Search::Damping(NormalEquations::new(&at, &rows, few, &self.smoothness))
-        };
-        let mut newton_steps = 0;
-        let mut found = None;
+        let linearized = Linearization::new(body, &stiffness, &sensitivity, &state.x);
+        let few = representatives(&self.scene, &at.shape.correspondences, &at.weights, &state.x);
+        let search = self.search(at, &linearized, few.as_ref());
+        let origin = Origin { at, linearized: &linearized };
+        let mut step = Step { reached: None, gain: None, damping, newton_steps: 0 };
+        let mut least = f64::INFINITY;
         for round in 0..MAX_ROUNDS {
-            if found.is_some() || self.run.is_cancelled() {
+            if step.reached.is_some() || run.is_cancelled() {
                 break;
             }
-            let pair = [0, 1].into_par_iter().map(|k| self.attempt(&origin, &search, round, k));
-            for attempt in pair.collect::<Result<Vec<Attempt>>>()? {
-                newton_steps += attempt.newton_steps;
-                if attempt.value < found.as_ref().map_or(f64::INFINITY, |f: &Attempt| f.value) {
-                    found = Some(attempt);
+            let attempt = |k| self.attempt(&origin, &search, damping, round, k);
+            let pair: Vec<_> = [0, 1].into_par_iter().map(attempt).collect::<Result<_>>()?;
+            for (Trial { candidate, newton_steps }, next_damping) in pair {
+                step.newton_steps += newton_steps;
+                if let Some(best) = candidate.filter(|candidate| candidate.objective < least) {
+                    least = best.objective;
+                    step.gain = Some(1.0 - best.objective / at.objective);
+                    step.reached = Some(best.shape);
+                    step.damping = next_damping;
                 }
             }
         }
-        self.summary.newton_steps += newton_steps;
-        Ok(found.and_then(|best| {
-            self.damping = best.next_damping;
-            best.state.map(|state| (state, 1.0 - best.value / objective))
-        }))
+        Ok(step)
     }
 
-    /// Trial `k` of a round; its value is infinite where it does not lower the objective.
-    fn attempt(&self, origin: &Origin, search: &Search, round: i32, k: usize) -> Result<Attempt> {
-        let state = origin.state;
-        let (direction, share, damping) = match search {
+    fn search<'a>(
+        &'a self,
+        at: &'a Evaluation,
+        linearized: &'a Linearization<'a, InversionBarrier<StableNeoHookean>>,
+        few: Option<&'a Rows>,
+    ) -> Search<'a> {
+        let (rows, smoothness) = (&at.rows, &self.smoothness);
+        if self.options.paper && !self.scene.body.is_free() {
+            let (s, anchor) = (&at.shape.state.s, &self.anchor);
+            Search::Halving(linearized.woodbury_direction(
+                rows,
+                smoothness,
+                s,
+                anchor,
+                DIRECTION_REDUCTION,
+            ))
+        } else {
+            Search::Damping(NormalEquations::new(linearized, rows, few, smoothness))
+        }
+    }
+
+    /// Trial `k` of a round, without a candidate where it does not lower the objective, and the damping
+    /// to go on with.
+    fn attempt(
+        &self,
+        origin: &Origin,
+        search: &Search,
+        damping: Damping,
+        round: i32,
+        k: usize,
+    ) -> Result<(Trial, Damping)> {
+        let s = &origin.at.shape.state.s;
+        let (direction, share, used) = match search {
             Search::Halving(direction) => {
                 (direction.clone(), 0.5_f64.powi(2 * round + k as i32), 0.0)
             }
             Search::Damping(equations) => {
-                let damping = self.damping.pair(round)[k];
+                let used = damping.pair(round)[k];
                 let reduction =
                     if equations.is_iterated() { ITERATED_REDUCTION } else { DIRECTION_REDUCTION };
-                (equations.direction(&state.s, &self.anchor, damping, reduction)?, 1.0, damping)
+                (equations.direction(s, &self.anchor, used, reduction)?, 1.0, used)
             }
         };
-        let eta = share * self.largest_step(&state.s, &direction);
-        let trial = self.trial(origin, &direction, eta)?;
-        let needed = origin.objective * (1.0 - ARMIJO * eta);
-        let (state, value) = match trial.reached.filter(|(_, value)| *value <= needed) {
-            Some((state, value)) => (Some(state), value),
-            None => (None, f64::INFINITY),
-        };
-        let next_damping = match search {
-            Search::Damping(equations) if state.is_some() => {
-                let promise = equations.promise(&origin.state.s, &self.anchor, &direction);
-                let promised = (origin.objective - promise) * eta;
-                Damping::after(damping, (origin.objective - value) / promised)
+        let eta = share * self.largest_step(s, &direction);
+        let mut trial = self.trial(origin, &direction, eta)?;
+        let before = origin.at.objective;
+        let is_lower = |c: &Candidate| c.objective <= before * (1.0 - ARMIJO * eta);
+        trial.candidate = trial.candidate.filter(is_lower);
+        let next_damping = match (search, &trial.candidate) {
+            (Search::Damping(equations), Some(candidate)) => {
+                let promise = equations.promise(s, &self.anchor, &direction);
+                let promised = (before - promise) * eta;
+                Damping::after(used, (before - candidate.objective) / promised)
             }
-            _ => self.damping,
+            _ => damping,
         };
-        Ok(Attempt { state, value, next_damping, newton_steps: trial.newton_steps })
+        Ok((trial, next_damping))
     }
 }

@@ -3,10 +3,9 @@
 use serde::Serialize;
 
 /// Why a reshaping ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The objective no longer falls by a relevant amount.
-    #[default]
     Settled,
     /// All markers are within the tolerance.
     ToleranceMet,
@@ -18,7 +17,18 @@ pub enum Stop {
     Cancelled,
 }
 
-/// Where the run stood before one Gauss-Newton iteration. Lengths in the template's unit.
+impl Stop {
+    /// Of further steps from a shape that had settled: that they found nothing better, or met a limit,
+    /// is no failure.
+    pub(super) fn after_settling(self) -> Self {
+        match self {
+            Self::NoStep | Self::IterationLimit => Self::Settled,
+            other => other,
+        }
+    }
+}
+
+/// Where the run stands at its start or after a Gauss-Newton iteration. Lengths in the template's unit.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct IterationRecord {
     /// Share of the markers' full weight.
@@ -36,12 +46,21 @@ pub struct IterationRecord {
 }
 
 /// The course of a run.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Summary {
-    /// One record per iteration; the first is the start, the last the end.
+    /// The start, then one record per iteration; the last is the end.
     pub iterations: Vec<IterationRecord>,
     /// Newton steps of all static solves.
     pub newton_steps: usize,
     /// Why it ended.
     pub stop: Stop,
+    /// Whether no step was found from where it ended.
+    pub stuck: bool,
+}
+
+impl Summary {
+    /// Gauss-Newton iterations taken.
+    pub fn iteration_count(&self) -> usize {
+        self.iterations.len().saturating_sub(1)
+    }
 }

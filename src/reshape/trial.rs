@@ -6,11 +6,11 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::symmetric3::{eigen, exp, log, to_matrix};
 use crate::math::{Mat3, Sym3, Vec3};
 
+use super::correspondences::Correspondences;
 use super::earlier::State;
-use super::evidence::Weights;
 use super::gauss_newton::Direction;
 use super::linearization::Linearization;
-use super::solver::Solver;
+use super::objective::{Evaluation, Objective, Shape};
 
 /// Largest change of a tet's logarithmic strain in one step.
 const MAX_STRAIN_STEP: f64 = 0.9;
@@ -24,39 +24,50 @@ const HOPELESS: f64 = 1.3;
 
 /// Where a trial starts.
 pub struct Origin<'a> {
-    pub state: &'a State,
-    pub at: &'a Linearization<'a, InversionBarrier<StableNeoHookean>>,
-    pub weights: &'a Weights,
+    pub at: &'a Evaluation,
+    pub linearized: &'a Linearization<'a, InversionBarrier<StableNeoHookean>>,
+}
+
+/// A shape that a trial led to.
+pub struct Candidate {
+    pub shape: Shape,
+    /// The objective at the origin's weights.
     pub objective: f64,
 }
 
-/// What came of it.
+/// What a trial led to.
 pub struct Trial {
-    /// The state and its objective, unless no equilibrium was found or it was given up.
-    pub reached: Option<(State, f64)>,
+    /// `None` where no equilibrium was found or the search for it was given up.
+    pub candidate: Option<Candidate>,
     /// Newton steps taken.
     pub newton_steps: usize,
 }
 
-impl Solver<'_> {
+impl Objective<'_> {
     /// Takes `eta` times a direction.
-    pub(super) fn trial(&self, from: &Origin, direction: &Direction, eta: f64) -> Result<Trial> {
-        let s: Vec<Sym3> =
-            from.state.s.iter().zip(&direction.ds).map(|(s, ds)| s + ds * eta).collect();
+    pub fn trial(&self, from: &Origin, direction: &Direction, eta: f64) -> Result<Trial> {
+        let Origin { at, linearized } = from;
+        let state = &at.shape.state;
+        let s: Vec<Sym3> = state.s.iter().zip(&direction.ds).map(|(s, ds)| s + ds * eta).collect();
         let plastic = self.plastic(&s);
         let prior = self.prior(&s);
-        let rigid = direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), from.at.center));
-        let predicted = self.predict(&from.state.x, &direction.dx, eta, rigid.as_ref(), &plastic);
-        let objective = |x: &[Vec3]| self.data(x, from.weights) + prior;
-        let hopeless = |x: &[Vec3]| objective(x) > HOPELESS * from.objective;
+        let rigid =
+            direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), linearized.center));
+        let predicted = self.predict(&state.x, &direction.dx, eta, rigid.as_ref(), &plastic);
+        let evaluate = |x: &[Vec3]| {
+            let correspondences = Correspondences::new(&self.scene, x);
+            let objective = self.data(x, &correspondences, &at.weights) + prior;
+            (correspondences, objective)
+        };
+        let hopeless = |x: &[Vec3]| evaluate(x).1 > HOPELESS * at.objective;
         let body = &self.scene.body;
         let Equilibrium { x, outcome, steps } =
-            body.equilibrate_near(predicted, &plastic, &STATICS, &from.at.single, &hopeless)?;
-        let reached = (outcome == Outcome::Converged).then(|| {
-            let value = objective(&x);
-            (State { s, x }, value)
+            body.equilibrate_near(predicted, &plastic, &STATICS, &linearized.single, &hopeless)?;
+        let candidate = (outcome == Outcome::Converged).then(|| {
+            let (correspondences, objective) = evaluate(&x);
+            Candidate { shape: Shape { state: State { s, x }, correspondences }, objective }
         });
-        Ok(Trial { reached, newton_steps: steps })
+        Ok(Trial { candidate, newton_steps: steps })
     }
 
     /// First-order guess of the shape after a step, held back where it would invert a tet.
@@ -82,7 +93,7 @@ impl Solver<'_> {
 
     /// Keeps the strain of every carrier from changing too much at once and, where the field is Fp
     /// itself, from coming near to singular.
-    pub(super) fn largest_step(&self, s: &[Sym3], direction: &Direction) -> f64 {
+    pub fn largest_step(&self, s: &[Sym3], direction: &Direction) -> f64 {
         let limit = |(s, ds): (&Sym3, &Sym3)| match self.space.chart {
             Chart::Logarithm => MAX_STRAIN_STEP / to_matrix(ds).norm().max(f64::MIN_POSITIVE),
             Chart::Matrix => to_boundary(&to_matrix(s), &to_matrix(ds)),

@@ -122,13 +122,11 @@ impl Course {
         Ok(course)
     }
 
-    /// Whether the last iteration found no step, and the markers are not explained yet.
+    /// Whether no step is found, and the markers are not explained yet.
     fn is_stuck(&self, options: &Options) -> bool {
         let summary = &self.reshaped.summary;
-        let unmoved = matches!(&summary.iterations[..],
-            [.., a, b] if a.objective.total_cmp(&b.objective).is_eq());
         let far = options.tolerance.is_some_and(|tolerance| self.marker_distance() > tolerance);
-        summary.stop == Stop::NoStep || summary.stop == Stop::Settled && unmoved && far
+        summary.stop == Stop::NoStep || summary.stop == Stop::Settled && summary.stuck && far
     }
 
     /// Mean distance of the markers at the end.
@@ -138,8 +136,8 @@ impl Course {
 
     /// Reshapes on the tets of the last leg.
     fn go_on(mut self, options: &Options, run: &Run) -> Result<Self> {
-        let mut earlier = std::mem::take(&mut self.reshaped.summary);
-        let left = options.max_iterations.saturating_sub(earlier.iterations.len() - 1);
+        let mut earlier = self.reshaped.summary;
+        let left = options.max_iterations.saturating_sub(earlier.iteration_count());
         let options = Options { max_iterations: left, ..options.clone() };
         self.reshaped = reshape(&self.problem, &options, run)?;
         let summary = &mut self.reshaped.summary;
@@ -176,7 +174,7 @@ impl Course {
             .legs
             .push(Leg { rest: self.problem.tets.clone(), now: self.reshaped.tet_points.clone() });
         course.remeshes.push(Remesh {
-            iteration: self.reshaped.summary.iterations.len() - 1,
+            iteration: self.reshaped.summary.iteration_count(),
             before: Shapeliness::of(&self.now()),
             after: Shapeliness::of(&mesh),
             tets: mesh.tets.len(),

@@ -71,7 +71,7 @@ impl Outcome {
             tets_made_by: self.course.made_by.clone(),
             markers: self.markers.len(),
             fixed: inputs.fixed.len(),
-            iteration_count: summary.iterations.len().saturating_sub(1),
+            iteration_count: summary.iteration_count(),
             stages: Vec::new(),
             tolerance: self.tolerances.marker,
             marker_distance: Change {
