@@ -234,6 +234,37 @@ fn one_wrong_landmark_loses_to_the_markers() {
 }
 
 #[test]
+fn a_pair_costs_more_the_farther_it_is_also_one_that_is_doubted() {
+    // The ball is held at rest, so that the first shape is the same whatever the landmark says.
+    let mut problem = problem(1.0, |p| *p);
+    let hold = |k: usize, shift: Vec3| Landmark {
+        label: k.to_string(),
+        template: TemplatePoint::Vertex(k as u32),
+        target: problem.surface.points[k] + shift,
+        weight: 1.0,
+    };
+    problem.attachments = [0, 1, 40, 70, 100].map(|v| hold(v, Vec3::zeros())).to_vec();
+    let options =
+        Options { landmark_tolerance: Some(0.02), max_iterations: 0, ..Options::default() };
+    let cost = |problem: &Problem| {
+        reshape(problem, &options, &Run::new()).unwrap().summary.iterations[0].objective
+    };
+    let one_off = |distance: f64| {
+        let shift = |k: usize| if k == 2 { Vec3::x() * distance } else { Vec3::zeros() };
+        let landmarks = (0..7).map(|k| hold(k, shift(k))).collect();
+        cost(&Problem { landmarks, ..problem.clone() })
+    };
+    let all_off = |distance: f64| {
+        let landmarks = (0..7).map(|k| hold(k, Vec3::x() * distance)).collect();
+        cost(&Problem { landmarks, ..problem.clone() })
+    };
+    let distances = [0.01, 0.1, 0.3, 0.9];
+    assert!(distances.map(one_off).is_sorted_by(|a, b| a < b), "{:?}", distances.map(one_off));
+    // Nor is it free to take all for noisier.
+    assert!(distances.map(all_off).is_sorted_by(|a, b| a < b), "{:?}", distances.map(all_off));
+}
+
+#[test]
 fn wrong_markers_are_given_up_in_the_end() {
     let mut problem = problem(1.0, |p| *p);
     problem.markers.extend(dense_markers(600));

@@ -11,10 +11,9 @@ use crate::math::symmetric3::{MULTIPLICITY, exp, exp_with_derivatives};
 use crate::math::{Mat3, Sym3, Vec3};
 
 use super::correspondences::Correspondences;
-use super::data_terms::rows;
 use super::rows::Rows;
 use super::scene::Scene;
-use super::weights::{Weighting, Weights};
+use super::term::Weighting;
 
 /// Iterations; correspondences settle well before.
 const ITERATIONS: usize = 100;
@@ -43,8 +42,8 @@ pub fn affine_start(scene: &Scene) -> AffineStart {
     };
     for _ in 0..ITERATIONS {
         let x = place(&rotation, &translation, &s);
-        let correspondences = Correspondences::new(scene, &x);
-        let data = rows(scene, &correspondences, &spread_weights(scene, &correspondences, &x), &x);
+        let correspondences = scene.data.correspondences(&x);
+        let data = scene.data.evaluate(&x, &correspondences, spread(scene, &correspondences)).rows;
         let step = step(&data, &x, rest, &rotation, &s);
         s += step.fixed_rows::<6>(0);
         let turn = Rotation3::new(step.fixed_rows::<3>(9).into_owned()).into_inner();
@@ -57,16 +56,12 @@ pub fn affine_start(scene: &Scene) -> AffineStart {
     AffineStart { x: place(&rotation, &translation, &s), strain: s }
 }
 
-/// Weights for a fit that cannot be exact: each group counts by the spread of its residuals.
-fn spread_weights(scene: &Scene, correspondences: &Correspondences, x: &[Vec3]) -> Weights {
-    let mut weights = Weights::new(scene, correspondences, x, Weighting::ROBUST, &[]);
+/// For a fit that cannot be exact: the markers count by the spread of their distances.
+fn spread(scene: &Scene, correspondences: &Correspondences) -> Weighting {
     let distances = correspondences.distances();
+    let variance = scene.data.markers.sigma.powi(2);
     let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
-    let scale = scene.marker_sigma.powi(2) / mean_square.max(scene.marker_sigma.powi(2));
-    for weight in &mut weights.markers {
-        *weight *= scale;
-    }
-    weights
+    Weighting { scale: variance / mean_square.max(variance), robust: true }
 }
 
 /// One Gauss-Newton step: six strains, translation, rotation vector about the origin.

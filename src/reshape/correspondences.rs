@@ -4,7 +4,7 @@ use crate::locate::SurfacePoint;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
-use super::scene::Scene;
+use super::carried_surface::CarriedSurface;
 
 /// The surface of a shape and where the markers touch it.
 #[derive(Clone)]
@@ -20,30 +20,27 @@ pub struct Correspondences {
 
 impl Correspondences {
     /// Finds the closest points of all markers on the surface of the shape `x`.
-    pub fn new(scene: &Scene, x: &[Vec3]) -> Self {
-        let points = scene.embedding.apply(x);
-        let mut tree = scene.surface_tree.clone();
+    pub fn new(carried: &CarriedSurface, markers: &[Vec3], sigma: f64, x: &[Vec3]) -> Self {
+        let points = carried.embedding.apply(x);
+        let mut tree = carried.search.clone();
         tree.refit(&points);
-        let positions: Vec<Vec3> = scene.markers.iter().map(|m| m.0).collect();
         let hits: Vec<SurfacePoint> = tree
-            .closest_many(&positions)
+            .closest_many(markers)
             .into_iter()
             .map(|hit| hit.expect("the surface has triangles and the markers are finite"))
             .collect();
-        let surface = TriMesh { points, triangles: scene.triangles.clone() };
+        let surface = TriMesh { points, triangles: carried.triangles.clone() };
         let vertex_normals = surface.vertex_normals();
         let directions = hits
             .iter()
-            .zip(&positions)
+            .zip(markers)
             .map(|(hit, position)| {
                 let corners = surface.triangles[hit.triangle as usize];
                 let blend: Vec3 =
                     (0..3).map(|k| vertex_normals[corners[k] as usize] * hit.barycentric[k]).sum();
                 let gap = position - hit.position;
                 let side = if gap.dot(&blend) < 0.0 { -1.0 } else { 1.0 };
-                (blend * scene.marker_sigma + gap * side)
-                    .try_normalize(1e-12)
-                    .unwrap_or_else(Vec3::z)
+                (blend * sigma + gap * side).try_normalize(1e-12).unwrap_or_else(Vec3::z)
             })
             .collect();
         Self { hits, directions, points: surface.points }

@@ -5,6 +5,8 @@
 //! every marker than markers are from each other back to that distance. Where a scan ends inside
 //! the organ nobody knows, so points beyond such an end are left alone.
 
+use super::rows::Rows;
+use super::term::{Place, Term};
 use crate::fem::MaterialPoint;
 use crate::locate::NearestPoints;
 use crate::math::{Vec3, median};
@@ -37,16 +39,6 @@ pub struct Coverage {
     samples: Vec<MaterialPoint>,
 }
 
-/// A template point that sticks out: direction away from the nearest marker and the excess.
-pub struct Excess<'a> {
-    /// The point.
-    pub point: &'a MaterialPoint,
-    /// Unit vector from the nearest marker to the point.
-    pub direction: Vec3,
-    /// Distance beyond the markers' spacing, in units of that spacing.
-    pub residual: f64,
-}
-
 impl Coverage {
     /// Of markers that lie on parallel axis-aligned slices; `None` for others, of which nobody
     /// knows where the scan ends.
@@ -65,24 +57,24 @@ impl Coverage {
         let samples = spread(surface, SAMPLES);
         Some(Self { nearest, markers: markers.to_vec(), spacing, unseen, samples })
     }
+}
 
-    /// The watched points that stick out of the shape `x`.
-    pub fn excesses<'a>(&'a self, x: &'a [Vec3]) -> impl Iterator<Item = Excess<'a>> {
-        self.samples.iter().filter_map(move |point| {
-            let p = point.position(x);
+impl Term for Coverage {
+    /// One row for each watched point that sticks out: its distance beyond the markers' spacing.
+    fn add_rows(&self, place: &Place, _: &[f64], rows: &mut Rows) {
+        for point in &self.samples {
+            let p = point.position(place.x);
             if self.unseen.iter().any(|&(axis, sign, end)| sign * (p[axis] - end) > 0.0) {
-                return None;
+                continue;
             }
-            let (marker, distance) = self.nearest.nearest(&p)?;
-            let direction = (p - self.markers[marker as usize]) / distance;
-            let residual = distance / self.spacing - 1.0;
-            (residual > 0.0).then_some(Excess { point, direction, residual })
-        })
-    }
-
-    /// Length of the residuals' unit.
-    pub fn spacing(&self) -> f64 {
-        self.spacing
+            if let Some((marker, distance)) = self.nearest.nearest(&p)
+                && distance > self.spacing
+            {
+                let direction = (p - self.markers[marker as usize]) / distance;
+                let residual = distance - self.spacing;
+                rows.add(point, [(direction, residual, self.spacing.powi(-2))]);
+            }
+        }
     }
 }
 

@@ -1,113 +1,104 @@
-//! The data terms: residual rows of all data.
+//! All data of a problem.
 
-use crate::fem::MaterialPoint;
+use super::carried_surface::CarriedSurface;
+use super::correspondences::Correspondences;
+use super::coverage::Coverage;
+use super::folds::Folds;
+use super::markers::Markers;
+use super::paired_points::PairedPoints;
+use super::rows::Rows;
+use super::term::{Place, Term, Weighed, Weighting};
 use crate::math::Vec3;
 
-use super::correspondences::Correspondences;
-use super::rows::Rows;
-use super::scene::Scene;
-use super::weights::{OUTLIER, Weights};
+/// The data, and the surface that they speak of.
+pub struct DataTerms {
+    /// The template's surface.
+    pub surface: CarriedSurface,
+    /// Markers.
+    pub markers: Markers,
+    /// Landmarks.
+    pub landmarks: PairedPoints,
+    /// Attachments.
+    pub attachments: PairedPoints,
+    /// Where the markers cover the person, when that can be known.
+    pub coverage: Option<Coverage>,
+    /// The surface's edges, which are kept from folding over.
+    pub folds: Option<Folds>,
+}
 
-/// Weight of the two tangential directions of a marker beside its normal one. They are zero at the
-/// closest point and only hold the step back: [W]'s point-to-point ties markers to wrong
-/// correspondences; none at all makes the iteration zig-zag.
-const TANGENTIAL: f64 = 0.02;
+/// What the data say about a shape.
+#[derive(Default)]
+pub struct Evaluated {
+    /// The robust cost.
+    pub cost: f64,
+    /// The weights of each term.
+    pub weights: Vec<Vec<f64>>,
+    /// The residual rows at these weights.
+    pub rows: Rows,
+}
 
-/// Near the surface, one marker in this many has tangential rows, on behalf of the others.
-const HOLDING: usize = 2;
-
-/// All residual rows of a shape.
-pub fn rows(
-    scene: &Scene,
-    correspondences: &Correspondences,
-    weights: &Weights,
-    x: &[Vec3],
-) -> Rows {
-    let mut rows = Rows::default();
-    for (i, &weight) in weights.markers.iter().enumerate() {
-        add_marker(&mut rows, scene, correspondences, i, weight, i % HOLDING == 0);
+impl DataTerms {
+    /// Where the markers touch the shape `x`.
+    pub fn correspondences(&self, x: &[Vec3]) -> Correspondences {
+        Correspondences::new(&self.surface, &self.markers.positions, self.markers.sigma, x)
     }
-    add_others(&mut rows, scene, correspondences, weights, x);
-    rows
-}
 
-/// Fewer rows that stand for them, where the markers are many.
-pub fn representatives(
-    scene: &Scene,
-    correspondences: &Correspondences,
-    weights: &Weights,
-    x: &[Vec3],
-) -> Option<Rows> {
-    let groups = scene.marker_groups.as_ref()?;
-    let mut rows = Rows::default();
-    for (i, group) in groups.iter().enumerate() {
-        let weight = group.members.iter().map(|&m| weights.markers[m as usize]).sum();
-        add_marker(
-            &mut rows,
-            scene,
-            correspondences,
-            group.middle as usize,
-            weight,
-            i % HOLDING == 0,
-        );
-    }
-    add_others(&mut rows, scene, correspondences, weights, x);
-    Some(rows)
-}
-
-fn add_marker(
-    rows: &mut Rows,
-    scene: &Scene,
-    correspondences: &Correspondences,
-    marker: usize,
-    weight: f64,
-    holds: bool,
-) {
-    let (hit, normal) = (&correspondences.hits[marker], correspondences.directions[marker]);
-    let gap = hit.position - scene.markers[marker].0;
-    let (t1, t2) = tangents(&normal);
-    let far = hit.distance > OUTLIER * scene.marker_sigma;
-    let holding = weight * TANGENTIAL * if far { 1.0 } else { HOLDING as f64 };
-    let directions = [(normal, weight), (t1, holding), (t2, holding)];
-    let count = if holds || far { 3 } else { 1 };
-    let point = scene.surface_point(hit.triangle, &hit.barycentric);
-    rows.add(&point, directions.into_iter().take(count).map(|(d, c)| (d, d.dot(&gap), c)));
-}
-
-/// Rows of the pairs, of the template's points that stick out, and of folds.
-fn add_others(
-    rows: &mut Rows,
-    scene: &Scene,
-    correspondences: &Correspondences,
-    weights: &Weights,
-    x: &[Vec3],
-) {
-    for (pairs, weights) in
-        [(&scene.landmarks, &weights.landmarks), (&scene.attachments, &weights.attachments)]
-    {
-        for (pair, &weight) in pairs.iter().zip(weights) {
-            let gap = pair.point.position(x) - pair.target;
-            let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-            rows.add(&pair.point, axes.map(|d| (d, d.dot(&gap), weight)));
+    /// What the data say about the shape `x`.
+    pub fn evaluate(
+        &self,
+        x: &[Vec3],
+        correspondences: &Correspondences,
+        weighting: Weighting,
+    ) -> Evaluated {
+        let place = self.place(x, correspondences);
+        let mut all = Evaluated::default();
+        for term in self.terms() {
+            let first = all.rows.rows.len();
+            let Weighed { weights, cost } = term.weigh(&place, weighting);
+            term.add_rows(&place, &weights, &mut all.rows);
+            all.cost += cost.unwrap_or_else(|| all.rows.energy_from(first));
+            all.weights.push(weights);
         }
+        all
     }
-    for excess in scene.coverage.iter().flat_map(|c| c.excesses(x)) {
-        let spacing = scene.coverage.as_ref().map_or(1.0, super::coverage::Coverage::spacing);
-        let weight = 1.0 / (spacing * spacing);
-        rows.add(excess.point, [(excess.direction, excess.residual * spacing, weight)]);
-    }
-    for fold in scene.folds.iter().flat_map(|folds| folds.excesses(&correspondences.points)) {
-        let gradient = fold.corners.iter().zip(&fold.gradient).flat_map(|(&corner, gradient)| {
-            let MaterialPoint(entries) = scene.surface_vertex(corner);
-            entries.into_iter().map(move |(v, w)| (v, gradient * w))
-        });
-        rows.push(gradient, fold.residual, fold.weight);
-    }
-}
 
-/// Two directions that complete the unit vector `n` to an orthonormal frame.
-fn tangents(n: &Vec3) -> (Vec3, Vec3) {
-    let axis = if n.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
-    let t = n.cross(&axis).normalize();
-    (t, n.cross(&t))
+    /// The rows of the shape `x` at given weights of each term.
+    pub fn rows(
+        &self,
+        x: &[Vec3],
+        correspondences: &Correspondences,
+        weights: &[Vec<f64>],
+    ) -> Rows {
+        let place = self.place(x, correspondences);
+        let mut rows = Rows::default();
+        for (term, weights) in self.terms().zip(weights) {
+            term.add_rows(&place, weights, &mut rows);
+        }
+        rows
+    }
+
+    /// Fewer rows that stand for them, where the markers are many.
+    pub fn representatives(
+        &self,
+        x: &[Vec3],
+        correspondences: &Correspondences,
+        weights: &[Vec<f64>],
+    ) -> Option<Rows> {
+        let place = self.place(x, correspondences);
+        let mut rows = Rows::default();
+        for (term, weights) in self.terms().zip(weights) {
+            term.add_representatives(&place, weights, &mut rows);
+        }
+        self.markers.are_grouped().then_some(rows)
+    }
+
+    fn place<'a>(&'a self, x: &'a [Vec3], correspondences: &'a Correspondences) -> Place<'a> {
+        Place { surface: &self.surface, x, correspondences }
+    }
+
+    fn terms(&self) -> impl Iterator<Item = &dyn Term> {
+        let pairs: [&dyn Term; 3] = [&self.markers, &self.landmarks, &self.attachments];
+        let coverage = self.coverage.iter().map(|coverage| coverage as &dyn Term);
+        pairs.into_iter().chain(coverage).chain(self.folds.iter().map(|folds| folds as &dyn Term))
+    }
 }

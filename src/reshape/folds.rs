@@ -8,6 +8,9 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
+use super::rows::Rows;
+use super::term::{Place, Term};
+use crate::fem::MaterialPoint;
 use crate::math::Vec3;
 
 /// Triangles may turn by this angle without resistance, more than a right one, or by what they do at
@@ -28,18 +31,6 @@ struct Hinge {
     /// Angle without resistance.
     allowed: f64,
     weight: f64,
-}
-
-/// An edge that is folded too far.
-pub struct Fold {
-    /// The edge's corners and the opposite ones.
-    pub corners: [u32; 4],
-    /// How the residual changes with each.
-    pub gradient: [Vec3; 4],
-    /// Angle beyond what is allowed, in standard deviations.
-    pub residual: f64,
-    /// Less than 1 where triangles are lower than what matters.
-    pub weight: f64,
 }
 
 impl Folds {
@@ -70,7 +61,7 @@ impl Folds {
     }
 
     /// The edges that are folded too far when the surface's vertices are at `points`.
-    pub fn excesses(&self, points: &[Vec3]) -> Vec<Fold> {
+    fn excesses(&self, points: &[Vec3]) -> Vec<Fold> {
         let fold = |hinge: &Hinge| {
             let corners = hinge.corners.map(|c| points[c as usize]);
             let (left, right) = normals(&corners);
@@ -87,6 +78,32 @@ impl Folds {
             })
         };
         self.hinges.par_iter().filter_map(fold).collect()
+    }
+}
+
+/// An edge that is folded too far.
+struct Fold {
+    /// The edge's corners and the opposite ones.
+    corners: [u32; 4],
+    /// How the residual changes with each.
+    gradient: [Vec3; 4],
+    /// Angle beyond what is allowed, in standard deviations.
+    residual: f64,
+    /// Less than 1 where triangles are lower than what matters.
+    weight: f64,
+}
+
+impl Term for Folds {
+    /// One row for each edge that is folded too far.
+    fn add_rows(&self, place: &Place, _: &[f64], rows: &mut Rows) {
+        for fold in self.excesses(&place.correspondences.points) {
+            let gradient =
+                fold.corners.iter().zip(&fold.gradient).flat_map(|(&corner, gradient)| {
+                    let MaterialPoint(entries) = place.surface.vertex(corner);
+                    entries.into_iter().map(move |(v, w)| (v, gradient * w))
+                });
+            rows.push(gradient, fold.residual, fold.weight);
+        }
     }
 }
 

@@ -2,19 +2,23 @@
 
 mod affine_start;
 mod again;
+mod carried_surface;
 mod correspondences;
 mod coverage;
 mod damping;
 mod data_terms;
 mod earlier;
 mod folds;
+mod formulation;
 mod gauss_newton;
 mod inspect;
 mod linearization;
 mod marker_groups;
+mod markers;
 mod numbering;
 mod objective;
 mod options;
+mod paired_points;
 mod pairs;
 mod problem;
 mod refine;
@@ -24,8 +28,8 @@ mod schedule;
 mod solver;
 mod step;
 mod summary;
+mod term;
 mod trial;
-mod weights;
 mod woodbury;
 
 pub use again::reshape_again;

@@ -4,36 +4,31 @@
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fem::{PlasticState, StrainSmoothness, StrainSpace};
-use crate::math::{Mat3, Sym3, Vec3};
+use crate::fem::{PlasticState, StrainSmoothness};
+use crate::math::{Mat3, Sym3};
 
 use super::affine_start::affine_start;
 use super::correspondences::Correspondences;
-use super::data_terms::rows;
 use super::earlier::{Earlier, State};
+use super::formulation::Formulation;
 use super::options::Options;
 use super::problem::Problem;
 use super::rows::Rows;
 use super::scene::Scene;
-use super::weights::{Weighting, Weights};
+use super::term::Weighting;
 
 /// Smallest share of a tet's volume that counts for the smoothness: nearly empty boundary tets
 /// of a lattice would otherwise be free to invert.
 const SMALLEST_TET_WEIGHT: f64 = 0.1;
 
-/// Weight of the graph Laplacian in the published formulation.
-const PAPER_SMOOTHNESS: f64 = 1.0;
-
-/// The terms of one problem.
+/// The objective of one problem.
 pub struct Objective<'a> {
     pub scene: Scene,
-    pub space: StrainSpace,
     pub options: &'a Options,
+    pub formulation: Formulation,
     pub smoothness: Arc<StrainSmoothness>,
     /// The strain that costs nothing.
     pub anchor: Arc<Vec<Sym3>>,
-    /// What each attachment's weight is multiplied by.
-    pub attachment_gains: Vec<f64>,
 }
 
 /// A state and where the markers touch it.
@@ -47,10 +42,15 @@ pub struct Shape {
 pub struct Evaluation {
     pub shape: Shape,
     pub weighting: Weighting,
-    pub weights: Weights,
-    pub rows: Rows,
-    /// Smoothness plus data terms at these weights.
+    /// Smoothness plus the robust cost of the data.
     pub objective: f64,
+    /// The weights of each term.
+    pub weights: Vec<Vec<f64>>,
+    /// The residual rows at these weights.
+    pub rows: Rows,
+    /// Smoothness plus the squares at these weights: what a step lowers. It touches the objective, up to
+    /// a constant, and lies above it.
+    pub majorizer: f64,
 }
 
 impl<'a> Objective<'a> {
@@ -58,7 +58,8 @@ impl<'a> Objective<'a> {
     /// a free body; rest for a held one.
     pub fn new(problem: &Problem, options: &'a Options) -> Result<(Self, State)> {
         let scene = Scene::new(problem, options, None)?;
-        let space = strain_space(options);
+        let formulation = Formulation::of(options);
+        let space = formulation.space;
         let (strain, x) = if scene.body.is_free() {
             let start = affine_start(&scene);
             (start.strain, start.x)
@@ -74,15 +75,14 @@ impl<'a> Objective<'a> {
         let smoothness = StrainSmoothness::new(
             &scene.body,
             &space,
-            if options.paper { PAPER_SMOOTHNESS } else { options.smoothness },
-            (screening.is_finite() && !options.paper).then_some(screening),
+            formulation.smoothness,
+            (formulation.screened && screening.is_finite()).then_some(screening),
             &tet_weight,
         )?;
         let objective = Self {
-            attachment_gains: vec![1.0; scene.attachments.len()],
             scene,
-            space,
             options,
+            formulation,
             smoothness: smoothness.into(),
             anchor: s.clone().into(),
         };
@@ -92,14 +92,14 @@ impl<'a> Objective<'a> {
     /// Of a problem whose template was reshaped before; comes with the state reached then.
     pub fn again(problem: &Problem, earlier: &'a Earlier) -> Result<(Self, State)> {
         let options = &earlier.options;
-        let scene = Scene::new(problem, options, Some(earlier))?;
-        let same = earlier.attachment_gains.len() == scene.attachments.len();
-        let gains = same.then(|| earlier.attachment_gains.clone());
+        let mut scene = Scene::new(problem, options, Some(earlier))?;
+        if earlier.attachment_gains.len() == scene.data.attachments.gains.len() {
+            scene.data.attachments.gains.clone_from(&earlier.attachment_gains);
+        }
         let objective = Self {
-            attachment_gains: gains.unwrap_or_else(|| vec![1.0; scene.attachments.len()]),
             scene,
-            space: strain_space(options),
             options,
+            formulation: Formulation::of(options),
             smoothness: earlier.smoothness.clone(),
             anchor: earlier.anchor.clone(),
         };
@@ -108,22 +108,21 @@ impl<'a> Objective<'a> {
 
     /// A state with its correspondences.
     pub fn shape(&self, state: State) -> Shape {
-        Shape { correspondences: Correspondences::new(&self.scene, &state.x), state }
+        Shape { correspondences: self.scene.data.correspondences(&state.x), state }
     }
 
-    /// Weights and rows of a shape.
+    /// Weights, rows and objective of a shape.
     pub fn evaluate(&self, shape: Shape, weighting: Weighting) -> Evaluation {
-        let Shape { state, correspondences } = &shape;
-        let gains = &self.attachment_gains;
-        let weights = Weights::new(&self.scene, correspondences, &state.x, weighting, gains);
-        let rows = rows(&self.scene, correspondences, &weights, &state.x);
-        let objective = rows.energy() + self.prior(&state.s);
-        Evaluation { shape, weighting, weights, rows, objective }
-    }
-
-    /// The data terms of a shape at given weights.
-    pub fn data(&self, x: &[Vec3], correspondences: &Correspondences, weights: &Weights) -> f64 {
-        rows(&self.scene, correspondences, weights, x).energy()
+        let data = self.scene.data.evaluate(&shape.state.x, &shape.correspondences, weighting);
+        let prior = self.prior(&shape.state.s);
+        Evaluation {
+            shape,
+            weighting,
+            objective: prior + data.cost,
+            majorizer: prior + data.rows.energy(),
+            weights: data.weights,
+            rows: data.rows,
+        }
     }
 
     /// Smoothness of a strain.
@@ -133,16 +132,12 @@ impl<'a> Objective<'a> {
     }
 
     pub fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {
-        self.space.states(s, &self.scene.body.mesh.tets)
+        self.formulation.space.states(s, &self.scene.body.mesh.tets)
     }
 
     /// Fp of every tet.
     pub fn plastic_strain(&self, s: &[Sym3]) -> Vec<Mat3> {
         let tets = self.scene.body.mesh.tets.iter().enumerate();
-        tets.map(|(t, tet)| self.space.plastic_strain(s, t, tet)).collect()
+        tets.map(|(t, tet)| self.formulation.space.plastic_strain(s, t, tet)).collect()
     }
-}
-
-fn strain_space(options: &Options) -> StrainSpace {
-    if options.paper { StrainSpace::PAPER } else { StrainSpace::NODAL_LOGARITHM }
 }

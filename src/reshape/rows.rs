@@ -53,7 +53,12 @@ impl Rows {
 
     /// 1/2 sum c residual^2.
     pub fn energy(&self) -> f64 {
-        0.5 * self.rows.iter().map(|r| r.weight * r.residual * r.residual).sum::<f64>()
+        self.energy_from(0)
+    }
+
+    /// The same of the rows from the `first` on.
+    pub(super) fn energy_from(&self, first: usize) -> f64 {
+        0.5 * self.rows[first..].iter().map(|r| r.weight * r.residual * r.residual).sum::<f64>()
     }
 
     /// sqrt(c) residual, per row.

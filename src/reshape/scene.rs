@@ -9,12 +9,16 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::Vec3;
 use crate::mesh::TetMesh;
 
+use super::carried_surface::{CarriedSurface, embedded};
 use super::coverage::Coverage;
+use super::data_terms::DataTerms;
 use super::earlier::{Earlier, Tissue};
 use super::folds::Folds;
-use super::marker_groups::{MarkerGroup, marker_groups};
+use super::formulation::Formulation;
+use super::markers::Markers;
 use super::numbering::Numbering;
 use super::options::Options;
+use super::paired_points::{PairedPoint, PairedPoints};
 use super::problem::{Landmark, Problem, TemplatePoint};
 
 /// Stiffness of the spring of one fixed point or hard attachment, in units of E l.
@@ -35,16 +39,6 @@ const SCREENING: [f64; 2] = [0.1, 0.3];
 const BARRIER_START: f64 = 0.3;
 const BARRIER_STRENGTH: f64 = 1.0;
 
-/// A paired point.
-pub struct Pair {
-    /// The point of the body.
-    pub point: MaterialPoint,
-    /// Where it belongs.
-    pub target: Vec3,
-    /// The user's weight.
-    pub weight: f64,
-}
-
 /// The problem as the solver sees it.
 pub struct Scene {
     /// Length of the solver's unit in the template's.
@@ -55,32 +49,8 @@ pub struct Scene {
     pub numbering: Arc<Numbering>,
     /// The elastic body; its first springs belong to the attachments, in order.
     pub body: Arc<Tissue>,
-    /// Each surface vertex in the tets.
-    pub embedding: Embedding,
-    /// The surface's triangles.
-    pub triangles: Vec<[u32; 3]>,
-    /// Search for points on the surface; to be refitted to the shape in question.
-    pub surface_tree: ClosestPoints,
-    /// Marker positions with the user's weights.
-    pub markers: Vec<(Vec3, f64)>,
-    /// Groups of the markers, where they are many.
-    pub marker_groups: Option<Vec<MarkerGroup>>,
-    /// Landmarks.
-    pub landmarks: Vec<Pair>,
-    /// Attachments.
-    pub attachments: Vec<Pair>,
-    /// Where the markers cover the person, when that can be known.
-    pub coverage: Option<Coverage>,
-    /// The surface's edges, which are kept from folding over; not by the published formulation.
-    pub folds: Option<Folds>,
-    /// Noise of a marker.
-    pub marker_sigma: f64,
-    /// Noise of a trusted landmark.
-    pub landmark_sigma: f64,
-    /// Noise of a trusted attachment.
-    pub attachment_sigma: f64,
-    /// Whether attachments are met whatever the markers say.
-    pub hard_attachments: bool,
+    /// The data.
+    pub data: DataTerms,
 }
 
 /// Where the solver's unit and origin are in the template's frame.
@@ -115,7 +85,7 @@ struct Places<'a> {
 }
 
 impl Places<'_> {
-    fn pairs(&self, list: &[Landmark]) -> Result<Vec<Pair>> {
+    fn pairs(&self, list: &[Landmark]) -> Result<Vec<PairedPoint>> {
         let positions: Vec<Vec3> =
             list.iter().map(|l| l.template.position(self.template)).collect();
         let anywhere = list.iter().any(|l| matches!(l.template, TemplatePoint::Position(_)));
@@ -126,15 +96,15 @@ impl Places<'_> {
                 TemplatePoint::Vertex(v) => embedded(self.embedding, v as usize),
                 TemplatePoint::Position(_) => embedded(&embedding, i),
             };
-            Pair { point, target: self.units.inward(&l.target), weight: l.weight }
+            PairedPoint { point, target: self.units.inward(&l.target), weight: l.weight }
         };
         Ok(list.iter().enumerate().map(pair).collect())
     }
 
     /// A vertex that stays.
-    fn fixed(&self, vertex: u32) -> Pair {
+    fn fixed(&self, vertex: u32) -> PairedPoint {
         let (point, target) = self.vertex(vertex as usize);
-        Pair { point, target, weight: 1.0 }
+        PairedPoint { point, target, weight: 1.0 }
     }
 
     /// A surface vertex and where it is at rest.
@@ -159,45 +129,47 @@ impl Scene {
         let attachments = places.pairs(&problem.attachments)?;
         let fixed = problem.fixed.iter().map(|&v| places.fixed(v));
         let springs = springs(&attachments, fixed, options);
-        let surface: Vec<(MaterialPoint, Vec3)> =
+        let rest: Vec<(MaterialPoint, Vec3)> =
             (0..template.len()).map(|v| places.vertex(v)).collect();
-        let at_rest: Vec<Vec3> = surface.iter().map(|vertex| vertex.1).collect();
-        let markers: Vec<(Vec3, f64)> =
-            problem.markers.iter().map(|m| (units.inward(&m.position), m.weight)).collect();
-        let positions: Vec<Vec3> = markers.iter().map(|m| m.0).collect();
-        let tolerances = options.tolerances(&problem.surface, length);
+        let at_rest: Vec<Vec3> = rest.iter().map(|vertex| vertex.1).collect();
+        let positions: Vec<Vec3> =
+            problem.markers.iter().map(|m| units.inward(&m.position)).collect();
+        let weights = problem.markers.iter().map(|m| m.weight).collect();
+        let sigma = options.tolerances(&problem.surface, length);
         let triangles = problem.surface.triangles.clone();
-        Ok(Self {
-            body: body(&tets, units, springs, options, earlier)?,
+        // Without markers nothing speaks against a pair, however far it has to go.
+        let doubted = !positions.is_empty();
+        let hinges = Formulation::of(options).hinges;
+        let data = DataTerms {
             coverage: options
                 .reverse_term
-                .then(|| Coverage::of_slices(&positions, &surface))
+                .then(|| Coverage::of_slices(&positions, &rest))
                 .flatten(),
-            folds: (!options.paper)
-                .then(|| Folds::new(template, &triangles, tolerances.marker * length)),
-            surface_tree: ClosestPoints::new(&at_rest, &triangles),
-            marker_groups: marker_groups(&positions),
-            marker_sigma: tolerances.marker,
-            landmark_sigma: tolerances.landmark,
-            attachment_sigma: tolerances.attachment,
-            hard_attachments: options.hard_attachments,
-            length,
-            center,
-            numbering,
-            embedding,
-            triangles,
-            markers,
-            landmarks,
-            attachments,
-        })
+            folds: hinges.then(|| Folds::new(template, &triangles, sigma.marker * length)),
+            markers: Markers::new(positions, weights, sigma.marker),
+            landmarks: PairedPoints::new(landmarks, sigma.landmark, doubted),
+            attachments: PairedPoints::new(
+                attachments,
+                sigma.attachment,
+                doubted && !options.hard_attachments,
+            ),
+            surface: CarriedSurface {
+                search: ClosestPoints::new(&at_rest, &triangles),
+                embedding,
+                triangles,
+            },
+        };
+        let body = body(&tets, units, springs, options, earlier)?;
+        Ok(Self { length, center, numbering, body, data })
     }
 
     /// Screening length for the part of the surface of the shape `x` that has data near by.
     pub fn default_screening(&self, x: &[Vec3]) -> f64 {
-        let targets = self.landmarks.iter().chain(&self.attachments).map(|pair| pair.target);
-        let data: Vec<Vec3> = self.markers.iter().map(|m| m.0).chain(targets).collect();
+        let targets = self.data.landmarks.list.iter().chain(&self.data.attachments.list);
+        let markers = self.data.markers.positions.iter().copied();
+        let data: Vec<Vec3> = markers.chain(targets.map(|pair| pair.target)).collect();
         let nearest = NearestPoints::new(&data);
-        let surface = self.embedding.apply(x);
+        let surface = self.data.surface.embedding.apply(x);
         let seen = surface
             .iter()
             .filter(|p| nearest.nearest(p).is_some_and(|(_, distance)| distance < SEEN_WITHIN))
@@ -210,44 +182,17 @@ impl Scene {
     pub fn outward(&self, x: &[Vec3]) -> Vec<Vec3> {
         x.iter().map(|x| x * self.length + self.center).collect()
     }
-
-    /// The body's point that a surface vertex is.
-    pub fn surface_vertex(&self, vertex: u32) -> MaterialPoint {
-        embedded(&self.embedding, vertex as usize)
-    }
-
-    /// The body's point that a surface point is.
-    pub fn surface_point(&self, triangle: u32, barycentric: &[f64; 3]) -> MaterialPoint {
-        let mut entries: Vec<(u32, f64)> = Vec::with_capacity(12);
-        for (&v, b) in self.triangles[triangle as usize].iter().zip(barycentric) {
-            for (&w, weight) in
-                self.embedding.vertices[v as usize].iter().zip(self.embedding.weights[v as usize])
-            {
-                match entries.iter_mut().find(|(vertex, _)| *vertex == w) {
-                    Some((_, sum)) => *sum += b * weight,
-                    None => entries.push((w, b * weight)),
-                }
-            }
-        }
-        entries.retain(|(_, w)| *w != 0.0);
-        MaterialPoint(entries)
-    }
-}
-
-fn embedded(embedding: &Embedding, i: usize) -> MaterialPoint {
-    let entries = embedding.vertices[i].into_iter().zip(embedding.weights[i]);
-    MaterialPoint(entries.filter(|(_, w)| *w != 0.0).collect())
 }
 
 /// The springs of the attachments, then of what is fixed.
 fn springs(
-    attachments: &[Pair],
-    fixed: impl Iterator<Item = Pair>,
+    attachments: &[PairedPoint],
+    fixed: impl Iterator<Item = PairedPoint>,
     options: &Options,
 ) -> Vec<Spring> {
     let soft =
         if options.hard_attachments { FIRM } else { SOFT_TOTAL / attachments.len().max(1) as f64 };
-    let spring = |pair: &Pair, stiffness: f64| Spring {
+    let spring = |pair: &PairedPoint, stiffness: f64| Spring {
         point: pair.point.clone(),
         target: pair.target,
         stiffness: stiffness * pair.weight,

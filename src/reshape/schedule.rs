@@ -1,7 +1,7 @@
 //! How the markers' weight grows from step to step, and when steps are no longer worth taking. All
 //! thresholds are shares of the objective that one step takes away.
 
-use super::weights::Weighting;
+use super::term::Weighting;
 
 /// The markers' weight starts at this share of its final value and grows by the factor below.
 const FIRST_SCALE: f64 = 1e-4;

@@ -8,13 +8,14 @@ use crate::math::{Mat3, Vec3};
 use crate::run::Run;
 
 use super::damping::Damping;
+use super::data_terms::DataTerms;
 use super::earlier::{Earlier, State};
 use super::objective::{Evaluation, Objective, Shape};
 use super::options::Options;
 use super::problem::Problem;
 use super::schedule::Schedule;
 use super::summary::{IterationRecord, Stop, Summary};
-use super::weights::{Weighting, has_far_markers, lagging_attachments};
+use super::term::Weighting;
 
 /// Newton steps and residual (relative to E l^2) of the start, which may be far from equilibrium.
 const START: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 200 };
@@ -68,8 +69,7 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     let mut solver = Solver::new(objective, run);
     let start = solver.start(start, schedule.weighting)?;
     let mut ended = solver.minimize(start, schedule)?;
-    // The published formulation does without.
-    if !options.paper {
+    if solver.objective.formulation.second_chances {
         ended = solver.reconsider_far_markers(ended)?;
         ended = solver.pull_lagging_attachments(ended)?;
     }
@@ -122,7 +122,7 @@ impl<'a> Solver<'a> {
     fn reconsider_far_markers(&mut self, mut best: Ended) -> Result<Ended> {
         while best.stop == Stop::Settled
             && self.interruption().is_none()
-            && has_far_markers(&self.objective.scene, &best.at.shape.correspondences)
+            && self.has_far_markers(&best.at)
         {
             self.damping = Damping::default();
             let towards_all = self.minimize(best.at.shape.clone(), Schedule::literal())?;
@@ -147,16 +147,16 @@ impl<'a> Solver<'a> {
     /// but outliers are within the tolerance.
     fn pull_lagging_attachments(&mut self, mut best: Ended) -> Result<Ended> {
         let has_settled = matches!(best.stop, Stop::Settled | Stop::ToleranceMet);
-        if !has_settled || self.objective.scene.hard_attachments {
+        if !has_settled || self.objective.options.hard_attachments {
             return Ok(best);
         }
         for _ in 0..ATTACHMENT_ROUNDS {
-            let lagging = lagging_attachments(&self.objective.scene, &best.at.shape.state.x);
+            let lagging = self.data().attachments.lagging(&best.at.shape.state.x);
             if self.interruption().is_some() || lagging.is_empty() {
                 break;
             }
             for i in lagging {
-                self.objective.attachment_gains[i] *= ATTACHMENT_GAIN;
+                self.objective.scene.data.attachments.gains[i] *= ATTACHMENT_GAIN;
             }
             best = self.minimize(best.at.shape, Schedule::follow())?;
             best.stop = best.stop.after_settling();
@@ -164,9 +164,17 @@ impl<'a> Solver<'a> {
         Ok(best)
     }
 
+    fn data(&self) -> &DataTerms {
+        &self.objective.scene.data
+    }
+
+    fn has_far_markers(&self, at: &Evaluation) -> bool {
+        self.data().markers.any_is_far(&at.shape.correspondences.distances())
+    }
+
     /// Why steps ended by themselves.
     fn reason(&self, at: &Evaluation, is_settled: bool) -> Stop {
-        let tolerance = self.objective.scene.marker_sigma;
+        let tolerance = self.data().markers.sigma;
         if at.shape.correspondences.hits.iter().all(|hit| hit.distance <= tolerance) {
             Stop::ToleranceMet
         } else if is_settled {
@@ -225,13 +233,12 @@ impl<'a> Solver<'a> {
 
     /// The result, in the template's units and order.
     pub fn finish(self, ended: Ended, problem: &Problem) -> Reshaped {
-        let Objective { scene, options, smoothness, anchor, attachment_gains, .. } =
-            &self.objective;
+        let Objective { scene, options, smoothness, anchor, .. } = &self.objective;
         let state = ended.at.shape.state;
         let tet_points = scene.outward(&state.x);
         let plastic_strain = self.objective.plastic_strain(&state.s);
         Reshaped {
-            surface_points: scene.embedding.apply(&tet_points),
+            surface_points: scene.data.surface.embedding.apply(&tet_points),
             tet_points: scene.numbering.restore(&tet_points),
             plastic_strain: scene.numbering.restore_tets(&plastic_strain),
             summary: Summary {
@@ -249,7 +256,7 @@ impl<'a> Solver<'a> {
                 smoothness: smoothness.clone(),
                 anchor: anchor.clone(),
                 state,
-                attachment_gains: attachment_gains.clone(),
+                attachment_gains: scene.data.attachments.gains.clone(),
             }),
         }
     }

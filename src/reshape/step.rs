@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::damping::Damping;
-use super::data_terms::representatives;
+use super::formulation::Steps;
 use super::gauss_newton::{Direction, NormalEquations};
 use super::linearization::Linearization;
 use super::objective::{Evaluation, Objective, Shape};
@@ -53,11 +53,11 @@ impl Objective<'_> {
         let plastic = self.plastic(&state.s);
         let (stiffness, sensitivity) = rayon::join(
             || body.factor_stiffness(&state.x, &plastic),
-            || Sensitivity::new(body, &self.space, &state.x, &plastic),
+            || Sensitivity::new(body, &self.formulation.space, &state.x, &plastic),
         );
         let stiffness = stiffness?;
         let linearized = Linearization::new(body, &stiffness, &sensitivity, &state.x);
-        let few = representatives(&self.scene, &at.shape.correspondences, &at.weights, &state.x);
+        let few = self.scene.data.representatives(&state.x, &at.shape.correspondences, &at.weights);
         let search = self.search(at, &linearized, few.as_ref());
         let origin = Origin { at, linearized: &linearized };
         let mut step = Step { reached: None, gain: None, damping, newton_steps: 0 };
@@ -70,9 +70,9 @@ impl Objective<'_> {
             let pair: Vec<_> = [0, 1].into_par_iter().map(attempt).collect::<Result<_>>()?;
             for (Trial { candidate, newton_steps }, next_damping) in pair {
                 step.newton_steps += newton_steps;
-                if let Some(best) = candidate.filter(|candidate| candidate.objective < least) {
-                    least = best.objective;
-                    step.gain = Some(1.0 - best.objective / at.objective);
+                if let Some(best) = candidate.filter(|candidate| candidate.majorizer < least) {
+                    least = best.majorizer;
+                    step.gain = Some(1.0 - best.majorizer / at.majorizer);
                     step.reached = Some(best.shape);
                     step.damping = next_damping;
                 }
@@ -88,7 +88,7 @@ impl Objective<'_> {
         few: Option<&'a Rows>,
     ) -> Search<'a> {
         let (rows, smoothness) = (&at.rows, &self.smoothness);
-        if self.options.paper && !self.scene.body.is_free() {
+        if !self.scene.body.is_free() && self.formulation.held_steps == Steps::Halved {
             let (s, anchor) = (&at.shape.state.s, &self.anchor);
             Search::Halving(linearized.woodbury_direction(
                 rows,
@@ -126,14 +126,14 @@ impl Objective<'_> {
         };
         let eta = share * self.largest_step(s, &direction);
         let mut trial = self.trial(origin, &direction, eta)?;
-        let before = origin.at.objective;
-        let is_lower = |c: &Candidate| c.objective <= before * (1.0 - ARMIJO * eta);
+        let before = origin.at.majorizer;
+        let is_lower = |c: &Candidate| c.majorizer <= before * (1.0 - ARMIJO * eta);
         trial.candidate = trial.candidate.filter(is_lower);
         let next_damping = match (search, &trial.candidate) {
             (Search::Damping(equations), Some(candidate)) => {
                 let promise = equations.promise(s, &self.anchor, &direction);
                 let promised = (before - promise) * eta;
-                Damping::after(used, (before - candidate.objective) / promised)
+                Damping::after(used, (before - candidate.majorizer) / promised)
             }
             _ => damping,
         };

@@ -6,7 +6,6 @@ use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::symmetric3::{eigen, exp, log, to_matrix};
 use crate::math::{Mat3, Sym3, Vec3};
 
-use super::correspondences::Correspondences;
 use super::earlier::State;
 use super::gauss_newton::Direction;
 use super::linearization::Linearization;
@@ -32,7 +31,7 @@ pub struct Origin<'a> {
 pub struct Candidate {
     pub shape: Shape,
     /// The objective at the origin's weights.
-    pub objective: f64,
+    pub majorizer: f64,
 }
 
 /// What a trial led to.
@@ -54,18 +53,18 @@ impl Objective<'_> {
         let rigid =
             direction.rigid.map(|modes| RigidMotion::new(&(modes * eta), linearized.center));
         let predicted = self.predict(&state.x, &direction.dx, eta, rigid.as_ref(), &plastic);
+        let (body, data) = (&self.scene.body, &self.scene.data);
         let evaluate = |x: &[Vec3]| {
-            let correspondences = Correspondences::new(&self.scene, x);
-            let objective = self.data(x, &correspondences, &at.weights) + prior;
-            (correspondences, objective)
+            let correspondences = data.correspondences(x);
+            let majorizer = data.rows(x, &correspondences, &at.weights).energy() + prior;
+            (correspondences, majorizer)
         };
-        let hopeless = |x: &[Vec3]| evaluate(x).1 > HOPELESS * at.objective;
-        let body = &self.scene.body;
+        let hopeless = |x: &[Vec3]| evaluate(x).1 > HOPELESS * at.majorizer;
         let Equilibrium { x, outcome, steps } =
             body.equilibrate_near(predicted, &plastic, &STATICS, &linearized.single, &hopeless)?;
         let candidate = (outcome == Outcome::Converged).then(|| {
-            let (correspondences, objective) = evaluate(&x);
-            Candidate { shape: Shape { state: State { s, x }, correspondences }, objective }
+            let (correspondences, majorizer) = evaluate(&x);
+            Candidate { shape: Shape { state: State { s, x }, correspondences }, majorizer }
         });
         Ok(Trial { candidate, newton_steps: steps })
     }
@@ -94,7 +93,7 @@ impl Objective<'_> {
     /// Keeps the strain of every carrier from changing too much at once and, where the field is Fp
     /// itself, from coming near to singular.
     pub fn largest_step(&self, s: &[Sym3], direction: &Direction) -> f64 {
-        let limit = |(s, ds): (&Sym3, &Sym3)| match self.space.chart {
+        let limit = |(s, ds): (&Sym3, &Sym3)| match self.formulation.space.chart {
             Chart::Logarithm => MAX_STRAIN_STEP / to_matrix(ds).norm().max(f64::MIN_POSITIVE),
             Chart::Matrix => to_boundary(&to_matrix(s), &to_matrix(ds)),
         };
