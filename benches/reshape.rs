@@ -96,7 +96,7 @@ fn markers(surface: &TriMesh, count: usize) -> Vec<Marker> {
         }
         let [a, b, c] = surface.corners(t);
         let position = person(&(a + (b - a) * u + (c - a) * v), diagonal);
-        Marker { position, weight: 1.0 }
+        Marker::at(position)
     };
     (0..count).map(point).collect()
 }

@@ -127,6 +127,28 @@ fn a_job_writes_all_it_promises_and_keeps_what_is_not_shape() {
 }
 
 #[test]
+fn the_noise_of_a_marker_in_the_file_is_heeded() {
+    let folder = Folder::with_ball("noise");
+    // The same markers once more, a little farther out, with and without their noise.
+    let good = folder.read("markers.csv");
+    let far = |noise: &str| {
+        let mut text = String::from("x,y,z,sigma\n");
+        for line in good.lines().skip(1) {
+            let p: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+            writeln!(text, "{},{},{},", p[0], p[1], p[2]).unwrap();
+            writeln!(text, "{},{},{},{noise}", 1.05 * p[0], 1.05 * p[1], 1.05 * p[2]).unwrap();
+        }
+        folder.write("mixed.csv", &text);
+        let mut job = folder.job("");
+        job.markers = Some(vec![folder.0.join("mixed.csv")]);
+        let distances = run_reshape(&job, &Run::new()).unwrap().report.marker_distances.after;
+        distances.iter().step_by(2).sum::<f64>() / (0.5 * distances.len() as f64)
+    };
+    let (unknown, known) = (far(""), far("0.5"));
+    assert!(known < 0.3 * unknown, "{known} {unknown}");
+}
+
+#[test]
 fn a_template_that_lies_elsewhere_is_brought_there_first() {
     let folder = Folder::with_ball("elsewhere");
     let shifted: String = folder.read("markers.csv").replace("x,y,z", "y,z,x");

@@ -80,7 +80,7 @@ fn markers(points: &[Vec3], count: usize, truth: impl Fn(&Vec3) -> Vec3) -> Vec<
     };
     let mut chosen: Vec<usize> = (0..points.len()).collect();
     chosen.sort_by_key(|&i| key(i));
-    let place = |&i: &usize| Marker { position: truth(&points[i]), weight: 1.0 };
+    let place = |&i: &usize| Marker::at(truth(&points[i]));
     chosen.iter().take(count).map(place).collect()
 }
 

@@ -161,7 +161,7 @@ pub unsafe extern "C" fn mlg_reshaping_set_markers(
         let weights = unsafe { buffers::weights(weights, count)? };
         let markers = points.into_iter().zip(weights);
         problem.lock().markers =
-            markers.map(|(position, weight)| Marker { position, weight }).collect();
+            markers.map(|(position, weight)| Marker { weight, ..Marker::at(position) }).collect();
         Ok(())
     })
 }

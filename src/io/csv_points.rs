@@ -19,11 +19,15 @@ pub fn parse_csv_markers(bytes: &[u8], path: &Path) -> Result<Vec<Marker>> {
     table
         .rows()
         .map(|row| {
+            let noise = row.size(sigma)?;
+            if noise == Some(0.0) {
+                return Err(row.place().error("sigma is 0; it must be above 0, or be left empty"));
+            }
             Ok(Marker {
                 label: row.label(label),
                 position: row.point(position)?,
                 weight: row.size(weight)?,
-                sigma: row.size(sigma)?,
+                sigma: noise,
             })
         })
         .collect()
@@ -77,6 +81,7 @@ mod tests {
             ("x,y,z\n1,5,2,3\n", "line 2: the line has 4 columns"),
             ("x,y,z\n1,,3\n", "line 2: y is empty"),
             ("x,y,z,weight\n1,2,3,-1\n", "line 2: weight is -1; it must not be negative"),
+            ("x,y,z,sigma\n1,2,3,0\n", "line 2: sigma is 0; it must be above 0, or be left empty"),
             ("1,2,3,4\n", "must name the columns"),
         ] {
             let message = parse(text).unwrap_err().to_string();

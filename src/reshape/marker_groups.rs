@@ -1,13 +1,15 @@
 //! Many markers in groups of neighbours, one of which can stand for all.
 
+use std::cmp::Ordering;
+
 use crate::math::Vec3;
 use crate::mesh::bounding_box;
 
 /// More markers than this are grouped; each has one to three rows in a dense system.
 const MOST_SINGLE: usize = 1000;
 
-/// Groups at most.
-const MOST_GROUPS: usize = 640;
+/// Groups that they form: a power of two.
+const GROUPS: usize = 512;
 
 /// Markers that lie close together.
 #[derive(Clone, Debug)]
@@ -20,14 +22,29 @@ pub struct MarkerGroup {
 
 /// Groups of nearly the same size, or `None` for markers that are few.
 pub fn marker_groups(markers: &[Vec3]) -> Option<Vec<MarkerGroup>> {
-    if markers.len() <= MOST_SINGLE {
-        return None;
+    (markers.len() > MOST_SINGLE).then(|| {
+        parts(markers, GROUPS).into_iter().map(|members| group(members, markers)).collect()
+    })
+}
+
+/// Every second marker of an order in which neighbours follow each other, whatever their order in a
+/// file.
+pub fn every_second(markers: &[Vec3]) -> Vec<bool> {
+    let mut chosen = vec![false; markers.len()];
+    let order = parts(markers, markers.len().next_power_of_two()).into_iter().flatten();
+    for marker in order.step_by(2) {
+        chosen[marker as usize] = true;
     }
+    chosen
+}
+
+/// So many parts, a power of two, each next to the one before.
+fn parts(markers: &[Vec3], count: usize) -> Vec<Vec<u32>> {
     let mut parts: Vec<Vec<u32>> = vec![(0..markers.len() as u32).collect()];
-    while 2 * parts.len() <= MOST_GROUPS {
+    while parts.len() < count {
         parts = parts.into_iter().flat_map(|part| halves(part, markers)).collect();
     }
-    Some(parts.into_iter().map(|members| group(members, markers)).collect())
+    parts
 }
 
 /// The two sides of the median across the longest extent.
@@ -35,10 +52,10 @@ fn halves(mut members: Vec<u32>, markers: &[Vec3]) -> [Vec<u32>; 2] {
     let points: Vec<Vec3> = members.iter().map(|&m| markers[m as usize]).collect();
     let extent = bounding_box(&points).map_or_else(Vec3::zeros, |(low, high)| high - low);
     let axis = extent.imax();
-    let place = |&m: &u32| (markers[m as usize][axis], m);
-    members.sort_unstable_by(|a, b| {
-        let ((a, i), (b, j)) = (place(a), place(b));
-        a.total_cmp(&b).then(i.cmp(&j))
+    let place = |&m: &u32| [0, 1, 2].map(|k| markers[m as usize][(axis + k) % 3]);
+    members.sort_by(|a, b| {
+        let (a, b) = (place(a), place(b));
+        a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
     });
     let upper = members.split_off(members.len() / 2);
     [members, upper]
@@ -55,6 +72,17 @@ fn group(members: Vec<u32>, markers: &[Vec3]) -> MarkerGroup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_second_of_a_line_is_chosen_whatever_the_order() {
+        let at = |i: u32| Vec3::new(f64::from(i), 0.0, 0.0);
+        let along: Vec<Vec3> = (0..7).map(at).collect();
+        assert_eq!(every_second(&along), [true, false, true, false, true, false, true]);
+        let mixed = [5, 2, 6, 0, 4, 1, 3];
+        let chosen = every_second(&mixed.map(at));
+        assert_eq!(chosen, mixed.map(|i| i % 2 == 0));
+        assert!(every_second(&[]).is_empty());
+    }
 
     #[test]
     fn groups_share_all_markers_evenly_and_only_when_there_are_many() {

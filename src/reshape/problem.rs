@@ -31,6 +31,15 @@ pub struct Marker {
     pub position: Vec3,
     /// How much it counts beside the others; 1 is usual, 0 leaves it out.
     pub weight: f64,
+    /// Standard deviation of its own noise; `None`: the tolerance of all.
+    pub sigma: Option<f64>,
+}
+
+impl Marker {
+    /// A usual one.
+    pub fn at(position: Vec3) -> Self {
+        Self { position, weight: 1.0, sigma: None }
+    }
 }
 
 /// A point of the template and where the person has it.
@@ -122,6 +131,11 @@ impl Problem {
     fn check_numbers(&self) -> Result<()> {
         for (i, marker) in self.markers.iter().enumerate() {
             check_number(&marker.position, marker.weight, || format!("marker {i}"))?;
+            if let Some(sigma) = marker.sigma.filter(|sigma| !(sigma.is_finite() && *sigma > 0.0)) {
+                return Err(Error::invalid(format!(
+                    "marker {i} has the noise (sigma) {sigma}; it must be above 0, or be left out"
+                )));
+            }
         }
         let vertices = self.surface.points.len();
         for (kind, list) in [("landmark", &self.landmarks), ("attachment", &self.attachments)] {

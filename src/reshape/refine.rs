@@ -97,7 +97,7 @@ pub fn find_borders(
             continue;
         }
         taken.push(place);
-        markers.push(Marker { position: place, weight: WEIGHT * confidence });
+        markers.push(Marker { weight: WEIGHT * confidence, ..Marker::at(place) });
         confidences.push(confidence);
         moves.push(seen.shift.abs());
     }

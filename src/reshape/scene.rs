@@ -19,7 +19,7 @@ use super::markers::Markers;
 use super::numbering::Numbering;
 use super::options::Options;
 use super::paired_points::{PairedPoint, PairedPoints};
-use super::problem::{Landmark, Problem, TemplatePoint};
+use super::problem::{Landmark, Marker, Problem, TemplatePoint};
 
 /// Stiffness of the spring of one fixed point or hard attachment, in units of E l.
 const FIRM: f64 = 100.0;
@@ -134,8 +134,10 @@ impl Scene {
         let at_rest: Vec<Vec3> = rest.iter().map(|vertex| vertex.1).collect();
         let positions: Vec<Vec3> =
             problem.markers.iter().map(|m| units.inward(&m.position)).collect();
-        let weights = problem.markers.iter().map(|m| m.weight).collect();
         let sigma = options.tolerances(&problem.surface, length);
+        let weights = problem.markers.iter().map(|m| m.weight).collect();
+        let noise = |marker: &Marker| marker.sigma.map_or(1.0, |own| own / (sigma.marker * length));
+        let noise = problem.markers.iter().map(noise).collect();
         let triangles = problem.surface.triangles.clone();
         // Without markers nothing speaks against a pair, however far it has to go.
         let doubted = !positions.is_empty();
@@ -146,7 +148,7 @@ impl Scene {
                 .then(|| Coverage::of_slices(&positions, &rest))
                 .flatten(),
             folds: hinges.then(|| Folds::new(template, &triangles, sigma.marker * length)),
-            markers: Markers::new(positions, weights, sigma.marker),
+            markers: Markers::new(positions, weights, noise, sigma.marker),
             landmarks: PairedPoints::new(landmarks, sigma.landmark, doubted),
             attachments: PairedPoints::new(
                 attachments,

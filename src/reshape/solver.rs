@@ -169,13 +169,12 @@ impl<'a> Solver<'a> {
     }
 
     fn has_far_markers(&self, at: &Evaluation) -> bool {
-        self.data().markers.any_is_far(&at.shape.correspondences.distances())
+        self.data().markers.any_is_far(&at.shape.correspondences)
     }
 
     /// Why steps ended by themselves.
     fn reason(&self, at: &Evaluation, is_settled: bool) -> Stop {
-        let tolerance = self.data().markers.sigma;
-        if at.shape.correspondences.hits.iter().all(|hit| hit.distance <= tolerance) {
+        if self.data().markers.are_within_noise(&at.shape.correspondences) {
             Stop::ToleranceMet
         } else if is_settled {
             Stop::Settled

@@ -268,7 +268,7 @@ mod tests {
         };
         let filling = crate::job::reshape::fill::fill(&job, &surface, &Run::new()).unwrap();
         let markers = surface.points.iter().map(|p| p.component_mul(&AXES));
-        let markers = markers.map(|position| Marker { position, weight: 1.0 }).collect();
+        let markers = markers.map(Marker::at).collect();
         let problem = Problem {
             markers,
             ..Problem::new(surface, filling.mesh, filling.embedding, filling.inside_fraction)

@@ -143,7 +143,7 @@ fn problem(inputs: &Inputs, filling: Tetrahedralization) -> Problem {
     problem.markers = inputs
         .markers
         .iter()
-        .map(|m| Marker { position: m.position, weight: m.weight.unwrap_or(1.0) })
+        .map(|m| Marker { position: m.position, weight: m.weight.unwrap_or(1.0), sigma: m.sigma })
         .collect();
     problem.landmarks = inputs.landmarks.iter().map(Pair::landmark).collect();
     problem.attachments = inputs.attachments.iter().map(Pair::landmark).collect();
