@@ -106,7 +106,7 @@ fn problem(tet_count: usize, marker_count: usize) -> Problem {
     let options = tetrahedralize::Options { method: Method::Lattice, tet_count, tetgen_path: None };
     let filled = tetrahedralize(&surface, &options, &Run::new()).expect("it can be filled");
     let markers = markers(&surface, marker_count);
-    let mut problem = Problem::new(surface, filled.mesh, filled.embedding, filled.inside_fraction);
+    let mut problem = Problem::new(surface, filled);
     problem.markers = markers;
     problem
 }

@@ -815,6 +815,15 @@ typedef struct MlgReshapingOptions {
    * Leave at 0.
    */
   uint32_t reserved;
+  /**
+   * How often the shape reached may be filled with new tets, where a very large change has made the
+   * old ones so flat that no step is found. Default: 3; 0: never. The result's tets are the new ones.
+   */
+  uint32_t max_remeshes;
+  /**
+   * Leave at 0.
+   */
+  uint32_t reserved_too;
 } MlgReshapingOptions;
 
 /**
@@ -1167,6 +1176,14 @@ typedef struct MlgReshapingSummary {
    * Seconds it took.
    */
   double seconds;
+  /**
+   * How often the shape reached was filled with new tets.
+   */
+  uint32_t remeshes;
+  /**
+   * Always 0.
+   */
+  uint32_t reserved;
 } MlgReshapingSummary;
 
 /**
@@ -1182,15 +1199,23 @@ const double *mlg_reshaping_result_points(const MlgReshapingResult *result,
                                           size_t *out_count);
 
 /**
- * The tet mesh's points, in its order: `3 * *out_count` coordinates, borrowed until the result is
+ * The four corners of each tet of the result: `4 * *out_count` indices, borrowed until the result is
+ * freed. The tets of the problem, unless new ones were made (`remeshes` in the summary). NULL for a
+ * handle that is not valid. `out_count`: may be NULL.
+ */
+const uint32_t *mlg_reshaping_result_tets(const MlgReshapingResult *result,
+                                          size_t *out_count);
+
+/**
+ * The points of these tets, in their order: `3 * *out_count` coordinates, borrowed until the result is
  * freed. NULL for a handle that is not valid. `out_count`: may be NULL.
  */
 const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result,
                                               size_t *out_count);
 
 /**
- * The plastic strain Fp of each tet: `9 * *out_count` numbers, a symmetric 3x3 matrix each;
- * borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ * The plastic strain Fp of each of these tets, from the template to the person: `9 * *out_count`
+ * numbers, a symmetric 3x3 matrix each; borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
  */
 const double *mlg_reshaping_result_plastic_strains(const MlgReshapingResult *result,
                                                    size_t *out_count);

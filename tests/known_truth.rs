@@ -66,7 +66,7 @@ fn filled(surface: TriMesh, tet_count: usize) -> Problem {
     let options =
         tetrahedralize::Options { method: Method::TetGen, tet_count, ..Default::default() };
     let tets = tetrahedralize(&surface, &options, &Run::new()).unwrap();
-    Problem::new(surface, tets.mesh, tets.embedding, tets.inside_fraction)
+    Problem::new(surface, tets)
 }
 
 /// True places of `count` of the points, without their correspondence. Scattered, as clicks are: rows

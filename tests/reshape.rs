@@ -1,6 +1,8 @@
 //! What a user of `reshape` may rely on, on a ball that becomes an ellipsoid.
 #![allow(clippy::unwrap_used)]
 
+use std::path::Path;
+
 use moulage::locate::ClosestPoints;
 use moulage::math::{Mat3, Vec3};
 use moulage::mesh::TriMesh;
@@ -10,9 +12,12 @@ use moulage::reshape::{
 use moulage::tetrahedralize::{self, Method, tetrahedralize};
 use moulage::{Run, TetMesh};
 
-/// A unit ball of longitude-latitude triangles.
 fn ball() -> TriMesh {
-    let (rows, columns) = (10_u32, 16_u32);
+    ball_of(10, 16)
+}
+
+/// A unit ball of longitude-latitude triangles.
+fn ball_of(rows: u32, columns: u32) -> TriMesh {
     let mut points = vec![Vec3::z(), -Vec3::z()];
     for i in 1..rows {
         for j in 0..columns {
@@ -43,14 +48,13 @@ fn problem(scale: f64, placed: impl Fn(&Vec3) -> Vec3) -> Problem {
     let mut surface = ball();
     let options =
         tetrahedralize::Options { method: Method::Lattice, tet_count: 1500, ..Default::default() };
-    let filled = tetrahedralize(&surface, &options, &Run::new()).unwrap();
-    let mut tets = filled.mesh;
+    let mut filled = tetrahedralize(&surface, &options, &Run::new()).unwrap();
     let markers =
         surface.points.iter().step_by(2).map(|p| Marker::at(placed(&truth(p)) * scale)).collect();
-    for p in surface.points.iter_mut().chain(&mut tets.points) {
+    for p in surface.points.iter_mut().chain(&mut filled.mesh.points) {
         *p = placed(p) * scale;
     }
-    let mut problem = Problem::new(surface, tets, filled.embedding, filled.inside_fraction);
+    let mut problem = Problem::new(surface, filled);
     problem.markers = markers;
     problem
 }
@@ -330,6 +334,36 @@ fn the_published_formulation_runs_on_a_held_body() {
     assert!(records.last().unwrap().mean_marker_distance < 0.3 * records[0].mean_marker_distance);
     assert_eq!(result.plastic_strain.len(), problem.tets.tets.len());
     assert_eq!(inverted(&problem, &result), 0);
+}
+
+#[test]
+fn a_sphere_becomes_a_liver_on_new_tets() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/liver/template.obj");
+    let liver = moulage::io::read_surface(&example).unwrap().mesh().unwrap();
+    let center = liver.points.iter().sum::<Vec3>() / liver.points.len() as f64;
+    let radius = (liver.volume() * 0.75 / std::f64::consts::PI).cbrt();
+    let mut sphere = ball_of(18, 36);
+    for p in &mut sphere.points {
+        *p = center + *p * radius;
+    }
+    let how =
+        tetrahedralize::Options { method: Method::Lattice, tet_count: 2000, ..Default::default() };
+    let filled = tetrahedralize(&sphere, &how, &Run::new()).unwrap();
+    let mut problem = Problem::new(sphere, filled);
+    problem.markers = liver.points.iter().step_by(10).map(|p| Marker::at(*p)).collect();
+    let with = |max_remeshes| {
+        let options = Options { max_remeshes, ..Options::default() };
+        reshape(&problem, &options, &Run::new()).unwrap()
+    };
+    let (stuck, result) = (with(0), with(3));
+    assert!(stuck.summary.remeshes.is_empty());
+    assert_eq!(stuck.problem.tets, problem.tets);
+    assert!(!result.summary.remeshes.is_empty() && result.problem.tets != problem.tets);
+    let tolerance = 1e-3 * problem.surface.diagonal();
+    let (before, after) = (stuck.summary.marker_distance(), result.summary.marker_distance());
+    assert!(after < before && after < tolerance, "{before} {after} {tolerance}");
+    assert_eq!(result.plastic_strain.len(), result.problem.tets.tets.len());
+    assert_eq!(inverted(&result.problem, &result), 0);
 }
 
 const ATTACHMENT_TOLERANCE: f64 = 0.02;

@@ -18,6 +18,8 @@ public:
         return ReshapingResult(make(mlg_run_wait_reshaping, run.get()));
     }
     MOULAGE_LENDS(double, points, mlg_reshaping_result_points, 3)
+    /** The corners of each tet: those of the problem, unless new ones were made. */
+    MOULAGE_LENDS(std::uint32_t, tets, mlg_reshaping_result_tets, 4)
     MOULAGE_LENDS(double, tet_points, mlg_reshaping_result_tet_points, 3)
     /** A symmetric 3x3 matrix for each tet. */
     MOULAGE_LENDS(double, plastic_strains, mlg_reshaping_result_plastic_strains, 9)

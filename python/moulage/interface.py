@@ -120,6 +120,8 @@ class MlgReshapingOptions(Versioned):
         ("paper", c_uint32),
         ("reverse_term", c_uint32),
         ("reserved", c_uint32),
+        ("max_remeshes", c_uint32),
+        ("reserved_too", c_uint32),
     ]
 
 
@@ -133,6 +135,8 @@ class MlgReshapingSummary(Versioned):
         ("mean_marker_distance", c_double),
         ("max_marker_distance", c_double),
         ("seconds", c_double),
+        ("remeshes", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -447,6 +451,7 @@ GETTERS = {
     "pairs_free": (None, c_void_p),
     "stop_name": (c_char_p, c_uint32),
     "reshaping_result_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "reshaping_result_tets": (POINTER(c_uint32), c_void_p, POINTER(c_size_t)),
     "reshaping_result_tet_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "reshaping_result_plastic_strains": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "reshaping_result_max_stretches": (POINTER(c_double), c_void_p, POINTER(c_size_t)),

@@ -141,7 +141,7 @@ def fill(name, handle, struct):
 def options(name, struct, wishes, init=None):
     """A struct of options with its defaults and then the caller's wishes."""
     get(init or f"{name}_options_init", byref(struct), ctypes.sizeof(struct))
-    known = struct.fields().keys() - {"reserved"}
+    known = struct.fields().keys() - {"reserved", "reserved_too"}
     for key, value in wishes.items():
         if key not in known:
             raise TypeError(f"{key!r} is not an option; there are {', '.join(sorted(known))}")

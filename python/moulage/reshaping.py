@@ -113,6 +113,11 @@ class ReshapingResult(Handle):
         return native.borrowed("reshaping_result_points", self._handle, 3, numpy.float64)
 
     @property
+    def tets(self):
+        """The corners of each tet (m, 4): those of the problem, unless new ones were made (summary)."""
+        return native.borrowed("reshaping_result_tets", self._handle, 4, numpy.uint32)
+
+    @property
     def tet_points(self):
         return native.borrowed("reshaping_result_tet_points", self._handle, 3, numpy.float64)
 
@@ -161,10 +166,12 @@ class ReshapingResult(Handle):
 
     @property
     def summary(self):
-        """A dict: stop, iterations, inverted_tets, mean_marker_distance, ..., seconds."""
+        """A dict: stop, iterations, inverted_tets, mean_marker_distance, ..., seconds, remeshes (how often
+        the shape reached was filled with new tets)."""
         found = native.fill(
             "reshaping_result_summary", self._handle, interface.MlgReshapingSummary()
         )
+        found.pop("reserved")
         found["stop"] = interface.STOP[found["stop"]]
         return found
 

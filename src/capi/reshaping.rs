@@ -54,6 +54,11 @@ pub struct MlgReshapingOptions {
     pub reverse_term: u32,
     /// Leave at 0.
     pub reserved: u32,
+    /// How often the shape reached may be filled with new tets, where a very large change has made the
+    /// old ones so flat that no step is found. Default: 3; 0: never. The result's tets are the new ones.
+    pub max_remeshes: u32,
+    /// Leave at 0.
+    pub reserved_too: u32,
 }
 
 // SAFETY: repr(C), plain numbers, size first.
@@ -75,6 +80,8 @@ fn defaults() -> MlgReshapingOptions {
         paper: u32::from(options.paper),
         reverse_term: u32::from(options.reverse_term),
         reserved: 0,
+        max_remeshes: options.max_remeshes as u32,
+        reserved_too: 0,
     }
 }
 
@@ -98,9 +105,10 @@ pub(super) unsafe fn options_of(given: *const MlgReshapingOptions) -> Outcome<(O
         || given.paper > 1
         || given.reverse_term > 1
         || given.reserved != 0
+        || given.reserved_too != 0
     {
         return Err(Failure::invalid(
-            "options: hard_attachments, paper and reverse_term must be 0 or 1 and reserved 0; start from mlg_reshaping_options_init",
+            "options: hard_attachments, paper and reverse_term must be 0 or 1 and the reserved ones 0; start from mlg_reshaping_options_init",
         ));
     }
     let length = |value: f64| if value == 0.0 { None } else { Some(value) };
@@ -118,6 +126,7 @@ pub(super) unsafe fn options_of(given: *const MlgReshapingOptions) -> Outcome<(O
             0 => Options::default().max_iterations,
             given => given as usize,
         },
+        max_remeshes: given.max_remeshes as usize,
     };
     options.check()?;
     Ok((options, given.thread_count as usize))
@@ -132,12 +141,10 @@ pub unsafe extern "C" fn mlg_reshaping_new(
 ) -> MlgStatus {
     access::make((out_problem, "out_problem"), error, || {
         let carried = handles::get::<Carried, _>(template_tets, "template_tets")?;
-        let problem = Problem::new(
-            carried.surface.mesh.clone(),
-            carried.tets.mesh.clone(),
-            carried.tets.embedding.clone(),
-            carried.tets.inside_fraction.clone(),
-        );
+        let mut problem = Problem::new(carried.surface.mesh.clone(), carried.tets.clone());
+        if let Some(options) = &carried.options {
+            problem.new_tets = options.clone();
+        }
         Ok(ProblemObject(Mutex::new(problem)))
     })
 }

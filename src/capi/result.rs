@@ -6,12 +6,11 @@ use super::access;
 use super::boundary::{MlgError, MlgStatus, Outcome, name_of};
 use super::buffers::{self, Versioned};
 use super::tetrahedralization::MlgTetQuality;
-use crate::fem::vertex_stretches;
+use crate::fem::stretches_of;
 use crate::job::write_deformed_tets;
-use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::measure::marker_distances;
-use crate::mesh::{TetMesh, TetQuality};
+use crate::mesh::TetQuality;
 use crate::reshape::{Landmark, Problem, Reshaped, Stop};
 use crate::separate::Body;
 
@@ -62,6 +61,10 @@ pub struct MlgReshapingSummary {
     pub max_marker_distance: f64,
     /// Seconds it took.
     pub seconds: f64,
+    /// How often the shape reached was filled with new tets.
+    pub remeshes: u32,
+    /// Always 0.
+    pub reserved: u32,
 }
 
 // SAFETY: repr(C), plain numbers, size first.
@@ -101,7 +104,7 @@ fn pair_distances(problem: &Problem, reshaped: &Reshaped) -> Outcome<(Vec<f64>, 
     }
     let places: Vec<Vec3> =
         pairs.iter().map(|pair| pair.template.position(&problem.surface.points)).collect();
-    let moved = Embedding::new(&problem.tets, &places)?.apply(&reshaped.tet_points);
+    let moved = reshaped.carry(&places)?;
     let mut landmarks: Vec<f64> =
         pairs.iter().zip(moved).map(|(pair, now)| (now - pair.target).norm()).collect();
     let attachments = landmarks.split_off(problem.landmarks.len());
@@ -111,7 +114,8 @@ fn pair_distances(problem: &Problem, reshaped: &Reshaped) -> Outcome<(Vec<f64>, 
 impl ReshapingResult {
     pub fn new(problem: Problem, reshaped: Reshaped, seconds: f64) -> Outcome<Self> {
         let distances = Distances::new(&problem, &reshaped)?;
-        let stretches = vertex_stretches(&problem.tets, &reshaped.tet_points, &problem.embedding);
+        let last = &reshaped.problem;
+        let stretches = stretches_of(&reshaped.gradients(), &last.tets, &last.embedding);
         Ok(Self { problem, reshaped, distances, stretches, seconds })
     }
 
@@ -121,11 +125,10 @@ impl ReshapingResult {
 
     /// The result as a body that contact can push.
     pub fn body(&self, name: String) -> Body {
-        let points = self.reshaped.tet_points.clone();
         Body {
             name,
-            tets: TetMesh { points, tets: self.problem.tets.tets.clone() },
-            embedding: self.problem.embedding.clone(),
+            tets: self.reshaped.deformed_tets(),
+            embedding: self.reshaped.problem.embedding.clone(),
             triangles: self.problem.surface.triangles.clone(),
             markers: self.problem.markers.iter().map(|m| m.position).collect(),
         }
@@ -149,11 +152,13 @@ impl ReshapingResult {
             mean_marker_distance: distances.iter().sum::<f64>() / distances.len() as f64,
             max_marker_distance: distances.iter().copied().fold(f64::NAN, f64::max),
             seconds: self.seconds,
+            remeshes: self.reshaped.summary.remeshes.len() as u32,
+            reserved: 0,
         }
     }
 
     fn quality(&self) -> TetQuality {
-        TetQuality::of(&self.problem.tets.tets, &self.reshaped.tet_points)
+        TetQuality::of(&self.reshaped.problem.tets.tets, &self.reshaped.tet_points)
     }
 }
 
@@ -167,7 +172,18 @@ pub unsafe extern "C" fn mlg_reshaping_result_points(
     access::lend(result, out_count, |result: &ReshapingResult| &result.reshaped.surface_points)
 }
 
-/// The tet mesh's points, in its order: `3 * *out_count` coordinates, borrowed until the result is
+/// The four corners of each tet of the result: `4 * *out_count` indices, borrowed until the result is
+/// freed. The tets of the problem, unless new ones were made (`remeshes` in the summary). NULL for a
+/// handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_result_tets(
+    result: *const MlgReshapingResult,
+    out_count: *mut usize,
+) -> *const u32 {
+    access::lend(result, out_count, |result: &ReshapingResult| &result.reshaped.problem.tets.tets)
+}
+
+/// The points of these tets, in their order: `3 * *out_count` coordinates, borrowed until the result is
 /// freed. NULL for a handle that is not valid. `out_count`: may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
@@ -177,8 +193,8 @@ pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
     access::lend(result, out_count, |result: &ReshapingResult| &result.reshaped.tet_points)
 }
 
-/// The plastic strain Fp of each tet: `9 * *out_count` numbers, a symmetric 3x3 matrix each;
-/// borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+/// The plastic strain Fp of each of these tets, from the template to the person: `9 * *out_count`
+/// numbers, a symmetric 3x3 matrix each; borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_reshaping_result_plastic_strains(
     result: *const MlgReshapingResult,
@@ -223,8 +239,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_carry(
     access::with((result, "result"), error, |result: &ReshapingResult| {
         // SAFETY: the caller's promise (see the module).
         let points = unsafe { buffers::points(points, count, "points")? };
-        let embedding = Embedding::new(&result.problem.tets, &points)?;
-        let carried = embedding.apply(&result.reshaped.tet_points);
+        let carried = result.reshaped.carry(&points)?;
         // SAFETY: as above.
         unsafe { buffers::copy_points(&carried, out_points, count) }
     })
@@ -241,9 +256,7 @@ pub unsafe extern "C" fn mlg_reshaping_result_save_tets(
     access::with((result, "result"), error, |result: &ReshapingResult| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
-        let problem = &result.problem;
-        let inside = &problem.inside_fraction;
-        Ok(write_deformed_tets(&path, &problem.tets, inside, &result.reshaped)?)
+        Ok(write_deformed_tets(&path, &result.reshaped)?)
     })
 }
 

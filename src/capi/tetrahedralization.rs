@@ -92,14 +92,16 @@ impl From<&TetQuality> for MlgTetQuality {
 pub(super) struct Carried {
     pub surface: Arc<Surface>,
     pub tets: Tetrahedralization,
+    /// How they were made, if here.
+    pub options: Option<Options>,
     warnings: Vec<CString>,
 }
 
 impl Carried {
-    fn new(surface: Arc<Surface>, tets: Tetrahedralization) -> Self {
+    fn new(surface: Arc<Surface>, tets: Tetrahedralization, options: Option<Options>) -> Self {
         // The sentences are our own and hold no zero; one that did would be lost, not cut.
         let warnings = tets.warnings.iter().filter_map(|w| CString::new(w.as_str()).ok()).collect();
-        Self { surface, tets, warnings }
+        Self { surface, tets, options, warnings }
     }
 }
 
@@ -158,7 +160,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_run(
         // SAFETY: the caller's promise (see the module).
         let options = unsafe { options_of(options)? };
         let made = tetrahedralize(&surface.mesh, &options, &Run::new())?;
-        Ok(Carried::new(surface, made))
+        Ok(Carried::new(surface, made, Some(options)))
     })
 }
 
@@ -177,7 +179,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_start(
         let options = unsafe { options_of(options)? };
         let run = RunObject::start("a tetrahedralization", 0, move |run| {
             let made = tetrahedralize(&surface.mesh, &options, run)?;
-            Ok(Carried::new(surface, made))
+            Ok(Carried::new(surface, made, Some(options)))
         })?;
         Ok(run)
     })
@@ -209,7 +211,7 @@ pub unsafe extern "C" fn mlg_tetrahedralization_from_tets(
         let surface = handles::get::<Surface, _>(surface, "surface")?;
         let tets = TetMesh::clone(&*handles::get::<TetMesh, _>(tets, "tets")?);
         let given = given_tets(tets, &surface.mesh, "the caller".into())?;
-        let carried = Carried::new(surface, given);
+        let carried = Carried::new(surface, given, None);
         Ok(carried)
     })
 }

@@ -16,4 +16,4 @@ pub use plastic::{Carrier, Chart, PlasticState, StrainSpace};
 pub use rigid_modes::{RigidMotion, isostatic_gauge, rigid_modes};
 pub use sensitivity::Sensitivity;
 pub use strain_laplacian::StrainSmoothness;
-pub use stretches::{deformation_gradients, principal_stretches, stretches_of, vertex_stretches};
+pub use stretches::{deformation_gradients, principal_stretches, stretches_of};

@@ -26,16 +26,7 @@ pub fn deformation_gradients(rest: &TetMesh, now: &[Vec3]) -> Vec<Mat3> {
 }
 
 /// Largest and smallest principal stretch at each surface vertex, interpolated between the nodes of
-/// the tet mesh, each of which has the volume-weighted mean of its tets.
-pub fn vertex_stretches(
-    rest: &TetMesh,
-    now: &[Vec3],
-    embedding: &Embedding,
-) -> (Vec<f64>, Vec<f64>) {
-    stretches_of(&deformation_gradients(rest, now), rest, embedding)
-}
-
-/// The same from the deformation gradients of the tets.
+/// the tet mesh, each of which has the volume-weighted mean of its tets' gradients.
 pub fn stretches_of(
     gradients: &[Mat3],
     rest: &TetMesh,
@@ -73,7 +64,7 @@ mod tests {
         let stretches = principal_stretches(&gradient);
         assert!((stretches - Vec3::new(3.0, 2.0, 0.5)).norm() < 1e-14);
         let embedding = Embedding::new(&tet(), &[Vec3::new(0.2, 0.2, 0.2)]).unwrap();
-        let (largest, smallest) = vertex_stretches(&tet(), &now, &embedding);
+        let (largest, smallest) = stretches_of(&[gradient], &tet(), &embedding);
         assert!((largest[0] - 3.0).abs() < 1e-14 && (smallest[0] - 0.5).abs() < 1e-14);
     }
 }

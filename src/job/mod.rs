@@ -42,7 +42,6 @@ pub use reshape::attach::read_attachment_pairs;
 pub use reshape::fill::fill;
 pub use reshape::inputs::{Inputs, read_fixed_vertices, read_landmark_pairs};
 pub use reshape::output::write_deformed_tets;
-pub use reshape::remesh::{Remesh, Shapeliness};
 pub use reshape::report::{Change, Ending, PairLine, Report, Shapes};
 pub use reshape::run::{JobResult, run_reshape};
 pub use reshape::spec::{Align, Gap, ReshapeJob};

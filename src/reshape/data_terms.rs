@@ -28,7 +28,7 @@ pub struct DataTerms {
 
 /// What the data say about a shape.
 #[derive(Default)]
-pub struct Evaluated {
+pub struct DataEvaluation {
     /// The robust cost.
     pub cost: f64,
     /// The weights of each term.
@@ -49,9 +49,9 @@ impl DataTerms {
         x: &[Vec3],
         correspondences: &Correspondences,
         weighting: Weighting,
-    ) -> Evaluated {
+    ) -> DataEvaluation {
         let place = self.place(x, correspondences);
-        let mut all = Evaluated::default();
+        let mut all = DataEvaluation::default();
         for term in self.terms() {
             let first = all.rows.rows.len();
             let Weighed { weights, cost } = term.weigh(&place, weighting);

@@ -8,7 +8,6 @@ use super::options::Options;
 use crate::fem::{Body, StrainSmoothness};
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::math::{Sym3, Vec3};
-use crate::mesh::TetMesh;
 
 /// The body with its material.
 pub type Tissue = Body<InversionBarrier<StableNeoHookean>>;
@@ -23,8 +22,6 @@ pub struct State {
 /// What does not change as long as template and options stay, and where the run ended.
 pub struct Earlier {
     pub(super) options: Options,
-    pub(super) rest_surface: Vec<Vec3>,
-    pub(super) rest_tets: TetMesh,
     pub(super) numbering: Arc<Numbering>,
     pub(super) body: Arc<Tissue>,
     pub(super) smoothness: Arc<StrainSmoothness>,

@@ -9,11 +9,11 @@ use crate::math::{Mat3, Sym3};
 
 use super::affine_start::affine_start;
 use super::correspondences::Correspondences;
+use super::data_terms::DataEvaluation;
 use super::earlier::{Earlier, State};
 use super::formulation::Formulation;
 use super::options::Options;
 use super::problem::Problem;
-use super::rows::Rows;
 use super::scene::Scene;
 use super::term::Weighting;
 
@@ -44,12 +44,9 @@ pub struct Evaluation {
     pub weighting: Weighting,
     /// Smoothness plus the robust cost of the data.
     pub objective: f64,
-    /// The weights of each term.
-    pub weights: Vec<Vec<f64>>,
-    /// The residual rows at these weights.
-    pub rows: Rows,
-    /// Smoothness plus the squares at these weights: what a step lowers. It touches the objective, up to
-    /// a constant, and lies above it.
+    pub data: DataEvaluation,
+    /// Smoothness plus half the squares at these weights: what a step lowers, and the objective with it
+    /// (iteratively reweighted least squares).
     pub majorizer: f64,
 }
 
@@ -120,8 +117,7 @@ impl<'a> Objective<'a> {
             weighting,
             objective: prior + data.cost,
             majorizer: prior + data.rows.energy(),
-            weights: data.weights,
-            rows: data.rows,
+            data,
         }
     }
 

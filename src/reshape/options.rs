@@ -38,6 +38,9 @@ pub struct Options {
     pub poisson: f64,
     /// Gauss-Newton iterations allowed.
     pub max_iterations: usize,
+    /// How often the shape reached may be filled with new tets where the old ones have become so flat
+    /// that no step is found; 0: never.
+    pub max_remeshes: usize,
 }
 
 impl Default for Options {
@@ -53,6 +56,7 @@ impl Default for Options {
             screening: None,
             poisson: 0.3,
             max_iterations: 80,
+            max_remeshes: 3,
         }
     }
 }
@@ -78,6 +82,11 @@ impl Options {
             landmark: self.landmark_tolerance.map_or(LANDMARK_TOLERANCE * marker, |t| t / unit),
             attachment: self.attachment_tolerance.map_or(marker, |t| t / unit),
         }
+    }
+
+    /// With a tolerance that no longer depends on the template's size: on new tets it has another one.
+    pub(super) fn settled(&self, template: &TriMesh) -> Self {
+        Self { tolerance: Some(self.tolerances(template, 1.0).marker), ..self.clone() }
     }
 
     /// Checks ranges.

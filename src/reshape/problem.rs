@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::mesh::{TetMesh, TriMesh};
+use crate::tetrahedralize::{self, Method, Tetrahedralization, Used};
 
 /// A point of the template.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +77,10 @@ pub struct Problem {
     pub embedding: Embedding,
     /// Share of each tet that lies inside the surface, 0 to 1.
     pub inside_fraction: Vec<f64>,
+    /// What made the tets.
+    pub made_by: Used,
+    /// How new ones are made where these become too flat.
+    pub new_tets: tetrahedralize::Options,
     /// Points of the person's surface.
     pub markers: Vec<Marker>,
     /// Paired points, found on template and person.
@@ -87,18 +92,17 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// A problem without any data yet.
-    pub fn new(
-        surface: TriMesh,
-        tets: TetMesh,
-        embedding: Embedding,
-        inside_fraction: Vec<f64>,
-    ) -> Self {
+    /// A problem without any data yet. New tets would be as many, made in the same way if it is known.
+    pub fn new(surface: TriMesh, tets: Tetrahedralization) -> Self {
+        let method = if tets.used == Used::Lattice { Method::Lattice } else { Method::Auto };
+        let tet_count = tets.mesh.tets.len();
         Self {
             surface,
-            tets,
-            embedding,
-            inside_fraction,
+            tets: tets.mesh,
+            embedding: tets.embedding,
+            inside_fraction: tets.inside_fraction,
+            made_by: tets.used,
+            new_tets: tetrahedralize::Options { method, tet_count, ..Default::default() },
             markers: Vec::new(),
             landmarks: Vec::new(),
             attachments: Vec::new(),

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use crate::error::Result;
 use crate::fem::EquilibriumOptions;
-use crate::math::{Mat3, Vec3};
 use crate::run::Run;
 
 use super::damping::Damping;
@@ -13,6 +12,7 @@ use super::earlier::{Earlier, State};
 use super::objective::{Evaluation, Objective, Shape};
 use super::options::Options;
 use super::problem::Problem;
+use super::reshaped::Reshaped;
 use super::schedule::Schedule;
 use super::summary::{IterationRecord, Stop, Summary};
 use super::term::Weighting;
@@ -27,24 +27,10 @@ const WORTH_ANOTHER: f64 = 0.02;
 const ATTACHMENT_GAIN: f64 = 2.0;
 const ATTACHMENT_ROUNDS: usize = 8;
 
-/// A reshaped template.
-#[derive(Clone, Debug)]
-pub struct Reshaped {
-    /// The surface's vertices, in the template's order.
-    pub surface_points: Vec<Vec3>,
-    /// The tet mesh's vertices.
-    pub tet_points: Vec<Vec3>,
-    /// Plastic strain Fp of each tet (symmetric positive definite).
-    pub plastic_strain: Vec<Mat3>,
-    /// What happened.
-    pub summary: Summary,
-    /// For [`super::reshape_again`].
-    pub(super) earlier: Arc<Earlier>,
-}
-
 /// One reshaping under way.
-pub struct Solver<'a> {
+struct Solver<'a> {
     objective: Objective<'a>,
+    max_iterations: usize,
     run: &'a Run,
     damping: Damping,
     records: Vec<IterationRecord>,
@@ -52,21 +38,22 @@ pub struct Solver<'a> {
 }
 
 /// Where a run of steps ended, and why.
-pub struct Ended {
-    pub at: Evaluation,
-    pub stop: Stop,
-    /// Whether no step was found from there.
-    pub stuck: bool,
+struct Ended {
+    at: Evaluation,
+    stop: Stop,
 }
 
-/// Reshapes the template. A cancelled run returns its best shape so far.
-pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshaped> {
-    problem.check()?;
-    options.check()?;
-    run.enter("preparing", 0.0);
+/// Reshapes the template on the tets it has.
+pub fn solve(
+    problem: &Problem,
+    options: &Options,
+    max_iterations: usize,
+    run: &Run,
+) -> Result<Reshaped> {
+    run.enter("preparing", run.progress().fraction);
     let (objective, start) = Objective::new(problem, options)?;
     let schedule = Schedule::growing(objective.scene.body.is_free());
-    let mut solver = Solver::new(objective, run);
+    let mut solver = Solver::new(objective, max_iterations, run);
     let start = solver.start(start, schedule.weighting)?;
     let mut ended = solver.minimize(start, schedule)?;
     if solver.objective.formulation.second_chances {
@@ -76,14 +63,29 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     Ok(solver.finish(ended, problem))
 }
 
+/// Reshapes from where an earlier run ended.
+pub fn solve_again(earlier: &Earlier, problem: &Problem, run: &Run) -> Result<Reshaped> {
+    run.enter("preparing", 0.0);
+    let (objective, state) = Objective::again(problem, earlier)?;
+    let schedule = Schedule::again();
+    let mut solver = Solver::new(objective, earlier.options.max_iterations, run);
+    let start = solver.start(state, schedule.weighting)?;
+    let mut ended = solver.minimize(start, schedule)?;
+    if ended.stop == Stop::NoStep {
+        // The earlier shape had settled: that there is no better step is no failure.
+        ended.stop = Stop::Settled;
+    }
+    Ok(solver.finish(ended, problem))
+}
+
 impl<'a> Solver<'a> {
-    pub fn new(objective: Objective<'a>, run: &'a Run) -> Self {
+    fn new(objective: Objective<'a>, max_iterations: usize, run: &'a Run) -> Self {
         let (damping, records) = (Damping::default(), Vec::new());
-        Self { objective, run, damping, records, newton_steps: 0 }
+        Self { objective, max_iterations, run, damping, records, newton_steps: 0 }
     }
 
     /// The shape in equilibrium with a strain, from a shape near by.
-    pub fn start(&mut self, near: State, weighting: Weighting) -> Result<Shape> {
+    fn start(&mut self, near: State, weighting: Weighting) -> Result<Shape> {
         let State { s, x } = near;
         let plastic = self.objective.plastic(&s);
         let equilibrium = self.objective.scene.body.equilibrate(x, &plastic, &START)?;
@@ -95,22 +97,21 @@ impl<'a> Solver<'a> {
     }
 
     /// Gauss-Newton steps, for as long as the schedule has them.
-    pub fn minimize(&mut self, start: Shape, mut schedule: Schedule) -> Result<Ended> {
+    fn minimize(&mut self, start: Shape, mut schedule: Schedule) -> Result<Ended> {
         let mut at = self.objective.evaluate(start, schedule.weighting);
         loop {
             if let Some(stop) = self.interruption() {
-                return Ok(Ended { at, stop, stuck: false });
+                return Ok(Ended { at, stop });
             }
             let step = self.objective.step(&at, self.damping, self.run)?;
             self.damping = step.damping;
             self.newton_steps += step.newton_steps;
-            let stuck = step.gain.is_none();
             let goes_on = schedule.goes_on(step.gain);
             at = self.objective.evaluate(step.reached.unwrap_or(at.shape), schedule.weighting);
             self.record(&at);
             if !goes_on && !self.run.is_cancelled() {
                 let stop = self.reason(&at, schedule.is_settled());
-                return Ok(Ended { at, stop, stuck });
+                return Ok(Ended { at, stop });
             }
         }
     }
@@ -227,11 +228,11 @@ impl<'a> Solver<'a> {
         if self.run.is_cancelled() {
             return Some(Stop::Cancelled);
         }
-        (self.records.len() > self.objective.options.max_iterations).then_some(Stop::IterationLimit)
+        (self.records.len() > self.max_iterations).then_some(Stop::IterationLimit)
     }
 
     /// The result, in the template's units and order.
-    pub fn finish(self, ended: Ended, problem: &Problem) -> Reshaped {
+    fn finish(self, ended: Ended, problem: &Problem) -> Reshaped {
         let Objective { scene, options, smoothness, anchor, .. } = &self.objective;
         let state = ended.at.shape.state;
         let tet_points = scene.outward(&state.x);
@@ -244,12 +245,14 @@ impl<'a> Solver<'a> {
                 iterations: self.records,
                 newton_steps: self.newton_steps,
                 stop: ended.stop,
-                stuck: ended.stuck,
+                remeshes: Vec::new(),
+                warnings: Vec::new(),
             },
+            problem: problem.clone(),
+            legs: Vec::new(),
+            before: Vec::new(),
             earlier: Arc::new(Earlier {
                 options: (*options).clone(),
-                rest_surface: problem.surface.points.clone(),
-                rest_tets: problem.tets.clone(),
                 numbering: scene.numbering.clone(),
                 body: scene.body.clone(),
                 smoothness: smoothness.clone(),
@@ -258,5 +261,30 @@ impl<'a> Solver<'a> {
                 attachment_gains: scene.data.attachments.gains.clone(),
             }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reshape::test_problems::ball_to_ellipsoid;
+
+    #[test]
+    fn each_iteration_is_recorded_once() {
+        let (problem, run) = (ball_to_ellipsoid(), Run::new());
+        let options = Options::default();
+        let (objective, start) = Objective::new(&problem, &options).unwrap();
+        let mut solver = Solver::new(objective, options.max_iterations, &run);
+        let start = solver.start(start, Weighting::ROBUST).unwrap();
+        let settled = solver.minimize(start, Schedule::growing(true)).unwrap();
+        let iterations = solver.records.len();
+        // Nothing is left to gain: one more step, and it is the last.
+        let more = solver.minimize(settled.at.shape, Schedule::follow()).unwrap();
+        assert_eq!(solver.records.len(), iterations + 1);
+        // What led nowhere is an iteration all the same, but the last record is the end.
+        solver.take_back(&more.at);
+        assert_eq!(solver.records.len(), iterations + 1);
+        let end = solver.records.last().unwrap();
+        assert!((end.objective - more.at.objective).abs() < 1e-15);
     }
 }

@@ -57,7 +57,8 @@ impl Objective<'_> {
         );
         let stiffness = stiffness?;
         let linearized = Linearization::new(body, &stiffness, &sensitivity, &state.x);
-        let few = self.scene.data.representatives(&state.x, &at.shape.correspondences, &at.weights);
+        let few =
+            self.scene.data.representatives(&state.x, &at.shape.correspondences, &at.data.weights);
         let search = self.search(at, &linearized, few.as_ref());
         let origin = Origin { at, linearized: &linearized };
         let mut step = Step { reached: None, gain: None, damping, newton_steps: 0 };
@@ -87,7 +88,7 @@ impl Objective<'_> {
         linearized: &'a Linearization<'a, InversionBarrier<StableNeoHookean>>,
         few: Option<&'a Rows>,
     ) -> Search<'a> {
-        let (rows, smoothness) = (&at.rows, &self.smoothness);
+        let (rows, smoothness) = (&at.data.rows, &self.smoothness);
         if !self.scene.body.is_free() && self.formulation.held_steps == Steps::Halved {
             let (s, anchor) = (&at.shape.state.s, &self.anchor);
             Search::Halving(linearized.woodbury_direction(

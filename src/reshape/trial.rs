@@ -56,7 +56,7 @@ impl Objective<'_> {
         let (body, data) = (&self.scene.body, &self.scene.data);
         let evaluate = |x: &[Vec3]| {
             let correspondences = data.correspondences(x);
-            let majorizer = data.rows(x, &correspondences, &at.weights).energy() + prior;
+            let majorizer = data.rows(x, &correspondences, &at.data.weights).energy() + prior;
             (correspondences, majorizer)
         };
         let hopeless = |x: &[Vec3]| evaluate(x).1 > HOPELESS * at.majorizer;

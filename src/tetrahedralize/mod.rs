@@ -86,7 +86,7 @@ pub enum Method {
 }
 
 /// How to make the tets.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Which way.
     pub method: Method,

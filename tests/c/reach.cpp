@@ -97,6 +97,7 @@ static ReshapingResult reshaped(const Tetrahedralization &tets) {
     CHECK(near(result.attachment_distances()[0], distance(moved.data(), held_at.data())));
     CHECK(result.marker_distances().size == POINTS && result.quality().tet_count == tets.tets().size / 4);
     CHECK(result.plastic_strains().size == 9 * result.quality().tet_count);
+    CHECK(result.tets().size == 4 * result.quality().tet_count && result.summary().remeshes == 0);
     result.save_tets(in_folder("reshaped.vtu"));
     const TetMesh saved(in_folder("reshaped.vtu"));
     CHECK(saved.points().size == result.tet_points().size);

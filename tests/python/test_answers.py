@@ -91,6 +91,8 @@ class Answers(unittest.TestCase):
         numpy.testing.assert_allclose(result.marker_distances, person.distances_of([[0.5, 0.5, 1.1]]), atol=1e-9)
         self.assertEqual(result.quality["tet_count"], len(self.tets.tets))
         self.assertEqual(result.plastic_strains.shape, (len(self.tets.tets), 3, 3))
+        numpy.testing.assert_array_equal(result.tets, self.tets.tets)
+        self.assertEqual(result.summary["remeshes"], 0)
         result.save_tets(self.folder / "result.vtu")
         numpy.testing.assert_allclose(moulage.TetMesh.load(self.folder / "result.vtu").points, result.tet_points, atol=1e-6)
         apart = moulage.Separation()

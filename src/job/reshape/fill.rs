@@ -11,33 +11,33 @@ use crate::tetrahedralize::{Method, Options, Tetrahedralization, given_tets, tet
 
 /// Makes or reads the tets that `job` asks for.
 pub fn fill(job: &ReshapeJob, surface: &TriMesh, run: &Run) -> Result<Tetrahedralization> {
-    let how = job.tets.as_deref().unwrap_or(Path::new("auto"));
-    let method = match how.to_str() {
-        Some("auto") => Method::Auto,
-        Some("tetgen") => Method::TetGen,
-        Some("lattice") => Method::Lattice,
-        _ if how.extension().is_some() => return from_file(how, surface),
-        _ => {
-            return Err(Error::invalid(format!(
-                "tets = '{}' is not known; auto, tetgen, lattice or a tet mesh file are",
-                how.display()
-            )));
-        }
-    };
-    let defaults = Options::default();
-    let options = Options {
-        method,
-        tet_count: job.tet_count.unwrap_or(defaults.tet_count),
-        tetgen_path: job.tetgen.clone(),
-    };
-    tetrahedralize(surface, &options, run)
+    match job.tets.as_deref() {
+        Some(path) if path.extension().is_some() => from_file(path, surface),
+        how => tetrahedralize(surface, &Options { method: method(how)?, ..new_tets(job) }, run),
+    }
 }
 
-/// Makes tets for a shape that has left those of `job`; tets from a file serve only the template.
-pub fn fill_anew(job: &ReshapeJob, surface: &TriMesh, run: &Run) -> Result<Tetrahedralization> {
-    let from_file = job.tets.as_deref().is_some_and(|how| how.extension().is_some());
-    let tets = if from_file { None } else { job.tets.clone() };
-    fill(&ReshapeJob { tets, ..job.clone() }, surface, run)
+/// How tets are made for a shape that has left those of `job`; tets from a file serve only the template.
+pub fn new_tets(job: &ReshapeJob) -> Options {
+    let defaults = Options::default();
+    Options {
+        method: method(job.tets.as_deref()).unwrap_or_default(),
+        tet_count: job.tet_count.unwrap_or(defaults.tet_count),
+        tetgen_path: job.tetgen.clone(),
+    }
+}
+
+fn method(how: Option<&Path>) -> Result<Method> {
+    let how = how.unwrap_or(Path::new("auto"));
+    match how.to_str() {
+        Some("auto") => Ok(Method::Auto),
+        Some("tetgen") => Ok(Method::TetGen),
+        Some("lattice") => Ok(Method::Lattice),
+        _ => Err(Error::invalid(format!(
+            "tets = '{}' is not known; auto, tetgen, lattice or a tet mesh file are",
+            how.display()
+        ))),
+    }
 }
 
 fn from_file(path: &Path, surface: &TriMesh) -> Result<Tetrahedralization> {

@@ -6,7 +6,6 @@ pub(crate) mod inputs;
 pub(crate) mod output;
 pub(crate) mod page;
 pub(crate) mod plots;
-pub(crate) mod remesh;
 pub(crate) mod report;
 pub(crate) mod result;
 pub(crate) mod run;

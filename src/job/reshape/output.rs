@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::inputs::Inputs;
-use super::remesh::Course;
 use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result};
 use crate::fem::principal_stretches;
 use crate::io::{DataArray, check_writable, stem, write_ply, write_vtu};
 use crate::measure::distance_to_markers;
-use crate::mesh::{TetMesh, TriMesh};
+use crate::mesh::TriMesh;
 use crate::reshape::Reshaped;
 
 /// Refuses outputs that would come to nothing, before anything is computed.
@@ -60,19 +59,15 @@ pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
 
 /// Writes all that `job` asks for; returns the files.
 pub(crate) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Result<Vec<PathBuf>> {
-    let course = &outcome.course;
+    let reshaped = &outcome.reshaped;
     let mut written = Vec::new();
     if let Some(out) = &job.out {
-        inputs.template.write_with_points(out, &course.reshaped.surface_points)?;
+        inputs.template.write_with_points(out, &reshaped.surface_points)?;
         written.push(out.clone());
-        written.extend(write_carried(out, inputs, course)?);
+        written.extend(write_carried(out, inputs, reshaped)?);
     }
     if let Some(path) = &job.tets_out {
-        let points = course.rest_positions()?;
-        let rest = TetMesh { points, tets: course.problem.tets.tets.clone() };
-        let mut reshaped = course.reshaped.clone();
-        reshaped.plastic_strain = course.plastic_strain();
-        write_deformed_tets(path, &rest, &course.problem.inside_fraction, &reshaped)?;
+        write_deformed_tets(path, reshaped)?;
         written.push(path.clone());
     }
     let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
@@ -84,35 +79,30 @@ pub(crate) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Res
 }
 
 /// \[W\] 4.3: other meshes follow the tets they lie in; points outside follow the nearest tet.
-fn write_carried(out: &Path, inputs: &Inputs, course: &Course) -> Result<Vec<PathBuf>> {
+fn write_carried(out: &Path, inputs: &Inputs, reshaped: &Reshaped) -> Result<Vec<PathBuf>> {
     let stem = stem(out);
     let mut written = Vec::new();
     for (path, file, points) in &inputs.carried {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let carried = out.with_file_name(format!("{stem}_{name}"));
-        file.write_with_points(&carried, &course.carry(points)?)?;
+        file.write_with_points(&carried, &reshaped.carry(points)?)?;
         written.push(carried);
     }
     Ok(written)
 }
 
 /// The deformed tets; plastic strain and its principal stretches per tet (\[W\] Fig. 1 d, e).
-pub fn write_deformed_tets(
-    path: &Path,
-    tets: &TetMesh,
-    inside_fraction: &[f64],
-    reshaped: &Reshaped,
-) -> Result<()> {
+pub fn write_deformed_tets(path: &Path, reshaped: &Reshaped) -> Result<()> {
     let strains = &reshaped.plastic_strain;
     let stretches: Vec<_> = strains.iter().map(principal_stretches).collect();
     let matrices: Vec<f64> =
         strains.iter().flat_map(|m| m.transpose().iter().copied().collect::<Vec<_>>()).collect();
     let principal: Vec<f64> = stretches.iter().flat_map(|s| [s[0], s[1], s[2]]).collect();
     let ratio: Vec<f64> = stretches.iter().map(|s| s[0] / s[2]).collect();
-    let rest: Vec<f64> = tets.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let rest: Vec<f64> = reshaped.rest_positions()?.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     let scalar = |name, values| DataArray { name, components: 1, values };
     // Corner order stays as in the rest mesh: inverted tets must not be turned around here.
-    let deformed = TetMesh { points: reshaped.tet_points.clone(), tets: tets.tets.clone() };
+    let deformed = reshaped.deformed_tets();
     write_vtu(
         path,
         &deformed,
@@ -120,7 +110,7 @@ pub fn write_deformed_tets(
             DataArray { name: "Fp", components: 9, values: &matrices },
             DataArray { name: "principal_stretches", components: 3, values: &principal },
             scalar("stretch_ratio", &ratio),
-            scalar("inside_fraction", inside_fraction),
+            scalar("inside_fraction", &reshaped.problem.inside_fraction),
         ],
         &[DataArray { name: "rest_position", components: 3, values: &rest }],
     )
@@ -128,7 +118,7 @@ pub fn write_deformed_tets(
 
 fn write_stretch(path: &Path, inputs: &Inputs, outcome: &Outcome) -> Result<()> {
     let mesh = TriMesh {
-        points: outcome.course.reshaped.surface_points.clone(),
+        points: outcome.reshaped.surface_points.clone(),
         triangles: inputs.surface.triangles.clone(),
     };
     let distance = distance_to_markers(&mesh.points, &outcome.markers);

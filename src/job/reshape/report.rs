@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::remesh::Remesh;
 use crate::job::images::compare::SliceFigure;
 use crate::job::report::stages::Stage;
 use crate::math::Vec3;
 use crate::measure::LabelFit;
 use crate::measure::Spread;
-use crate::reshape::{IterationRecord, Refinement};
+use crate::reshape::{IterationRecord, Refinement, Remesh};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -1,7 +1,6 @@
 //! What came out of the solver, measured.
 
 use super::inputs::Inputs;
-use super::remesh::Course;
 use super::report::{Change, Ending, PairLine, Report, Shapes};
 use crate::error::Result;
 use crate::fem::{principal_stretches, stretches_of};
@@ -9,7 +8,7 @@ use crate::math::{Mat3, Vec3, median};
 use crate::measure::{Spread, marker_distances};
 use crate::mesh::quality::dihedral_angles;
 use crate::mesh::{TetMesh, TetQuality, TriMesh};
-use crate::reshape::{Options, Pair, Stop, Tolerances};
+use crate::reshape::{Options, Pair, Reshaped, Stop, Tolerances};
 
 /// A pair farther off than so many tolerances, and than so many times the median, is suspect.
 const SUSPECT: f64 = 5.0;
@@ -22,7 +21,7 @@ const BINS: usize = 18;
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The result itself.
-    pub course: Course,
+    pub reshaped: Reshaped,
     /// Marker positions.
     pub markers: Vec<Vec3>,
     /// Largest and smallest principal stretch per surface vertex.
@@ -32,20 +31,20 @@ pub struct Outcome {
 
 impl Outcome {
     /// Measures what the outputs need.
-    pub fn new(inputs: &Inputs, options: &Options, course: Course) -> Self {
-        let problem = &course.problem;
-        let stretch = stretches_of(&course.gradients(), &problem.tets, &problem.embedding);
+    pub fn new(inputs: &Inputs, options: &Options, reshaped: Reshaped) -> Self {
+        let problem = &reshaped.problem;
+        let stretch = stretches_of(&reshaped.gradients(), &problem.tets, &problem.embedding);
         Self {
             markers: inputs.markers.iter().map(|m| m.position).collect(),
             tolerances: options.tolerances(&inputs.surface, 1.0),
             stretch,
-            course,
+            reshaped,
         }
     }
 
     /// The report, without stages and files.
     pub fn report(&self, inputs: &Inputs) -> Result<Report> {
-        let (problem, reshaped) = (&self.course.problem, &self.course.reshaped);
+        let (problem, reshaped) = (&self.reshaped.problem, &self.reshaped);
         let summary = &reshaped.summary;
         let (ending, why) = ending(summary.stop);
         let distances = self.distances(inputs);
@@ -56,7 +55,7 @@ impl Outcome {
             .collect();
         let pairs = |list: &[Pair], tolerance: f64| {
             let positions: Vec<Vec3> = list.iter().map(|pair| pair.position).collect();
-            Ok(pair_lines(list, &self.course.carry(&positions)?, tolerance))
+            Ok(pair_lines(list, &reshaped.carry(&positions)?, tolerance))
         };
         let moved = TriMesh { points: reshaped.surface_points.clone(), ..inputs.surface.clone() };
         Ok(Report {
@@ -68,7 +67,7 @@ impl Outcome {
             vertices: inputs.surface.points.len(),
             tet_vertices: problem.tets.points.len(),
             tets: problem.tets.tets.len(),
-            tets_made_by: self.course.made_by.clone(),
+            tets_made_by: problem.made_by.to_string(),
             markers: self.markers.len(),
             fixed: inputs.fixed.len(),
             iteration_count: summary.iteration_count(),
@@ -86,10 +85,10 @@ impl Outcome {
                 after: min_dihedrals(&problem.tets, now, &inside),
             },
             inverted_tets,
-            stretch_range: stretch_range(&self.course.gradients(), &inside),
+            stretch_range: stretch_range(&reshaped.gradients(), &inside),
             volume_ratio: moved.volume() / inputs.surface.volume(),
             iterations: summary.iterations.clone(),
-            remeshes: self.course.remeshes.clone(),
+            remeshes: summary.remeshes.clone(),
             refinement: None,
             label_fit: None,
             slices: Vec::new(),
@@ -102,7 +101,7 @@ impl Outcome {
         Shapes {
             triangles: &inputs.surface.triangles,
             before: &inputs.surface.points,
-            after: &self.course.reshaped.surface_points,
+            after: &self.reshaped.surface_points,
             stretch: &self.stretch.0,
             markers: &self.markers,
         }
@@ -111,10 +110,7 @@ impl Outcome {
     fn distances(&self, inputs: &Inputs) -> Change<Vec<f64>> {
         let of =
             |points: &[Vec3]| marker_distances(points, &inputs.surface.triangles, &self.markers);
-        Change {
-            before: of(&inputs.surface.points),
-            after: of(&self.course.reshaped.surface_points),
-        }
+        Change { before: of(&inputs.surface.points), after: of(&self.reshaped.surface_points) }
     }
 }
 

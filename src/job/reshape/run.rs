@@ -1,10 +1,9 @@
 //! One reshaping from files to files.
 
-use super::fill::fill;
+use super::fill::{fill, new_tets};
 use super::inputs::Inputs;
 use super::output;
 use super::page::page;
-use super::remesh::Course;
 use super::report::{Ending, Report};
 use super::result::Outcome;
 use super::spec::ReshapeJob;
@@ -56,23 +55,21 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     run.enter("filling with tets", 0.0);
     let filling = fill(job, &inputs.surface, run)?;
     inputs.warnings.extend(filling.warnings.iter().cloned());
-    let made_by = filling.used.to_string();
     stages.end("tets");
-    let (problem, options) = (problem(&inputs, filling), options(job, &inputs.surface));
-    let mut course = Course::run(job, problem, made_by, &options, run)?;
-    inputs.warnings.append(&mut course.warnings);
+    let (mut problem, options) = (problem(job, &inputs, filling), options(job));
+    let mut reshaped = reshape(&problem, &options, run)?;
     stages.end("solver");
     let mut refinement = None;
     if job.refine == Some(true) && !run.is_cancelled() {
-        let points = &course.reshaped.surface_points;
-        refinement = Some(refine_problem(&mut course.problem, &person, points)?);
-        course.reshaped = reshape(&course.problem, &options, run)?;
+        refinement = Some(refine_problem(&mut problem, &person, &reshaped.surface_points)?);
+        reshaped = reshape(&problem, &options, run)?;
         stages.end("solver, with the image");
     }
-    let outcome = Outcome::new(&inputs, &options, course);
+    inputs.warnings.append(&mut reshaped.summary.warnings);
+    let outcome = Outcome::new(&inputs, &options, reshaped);
     let mut report = outcome.report(&inputs)?;
     let result = TriMesh {
-        points: outcome.course.reshaped.surface_points.clone(),
+        points: outcome.reshaped.surface_points.clone(),
         triangles: inputs.surface.triangles.clone(),
     };
     report.refinement = refinement;
@@ -88,7 +85,7 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         report.written.extend(["report.html", "report.json"].map(|name| folder.join(name)));
         write_report(folder, &report, &page(&report, &outcome.shapes(&inputs)))?;
     }
-    Ok(JobResult { points: outcome.course.reshaped.surface_points, report })
+    Ok(JobResult { points: outcome.reshaped.surface_points, report })
 }
 
 /// Adds to the problem what the image shows where the user marked nothing.
@@ -133,13 +130,9 @@ fn place(inputs: &mut Inputs, freedom: Freedom) -> Result<()> {
     Ok(())
 }
 
-fn problem(inputs: &Inputs, filling: Tetrahedralization) -> Problem {
-    let mut problem = Problem::new(
-        inputs.surface.clone(),
-        filling.mesh,
-        filling.embedding,
-        filling.inside_fraction,
-    );
+fn problem(job: &ReshapeJob, inputs: &Inputs, filling: Tetrahedralization) -> Problem {
+    let mut problem = Problem::new(inputs.surface.clone(), filling);
+    problem.new_tets = new_tets(job);
     problem.markers = inputs
         .markers
         .iter()
@@ -151,8 +144,7 @@ fn problem(inputs: &Inputs, filling: Tetrahedralization) -> Problem {
     problem
 }
 
-/// A template on new tets has another size, so that defaults relative to it are settled here.
-fn options(job: &ReshapeJob, template: &TriMesh) -> Options {
+fn options(job: &ReshapeJob) -> Options {
     let mut options = Options::default();
     set(&mut options.hard_attachments, job.hard_attachments);
     set(&mut options.paper, job.paper);
@@ -160,11 +152,11 @@ fn options(job: &ReshapeJob, template: &TriMesh) -> Options {
     set(&mut options.smoothness, job.smoothness);
     set(&mut options.poisson, job.poisson);
     set(&mut options.max_iterations, job.max_iterations);
+    set(&mut options.max_remeshes, job.remesh);
     options.screening = job.screening;
     options.tolerance = job.tolerance;
     options.landmark_tolerance = job.landmark_tolerance;
     options.attachment_tolerance = job.attachment_tolerance;
-    options.tolerance = Some(options.tolerances(template, 1.0).marker);
     options
 }
 
