@@ -447,6 +447,13 @@ MlgStatus mlg_markers_save(const MlgMarkers *markers, const char *path, MlgError
 const double *mlg_markers_points(const MlgMarkers *markers, size_t *out_count);
 
 /**
+ * The noise of each: `*out_count` numbers, 0 where the file gives none, borrowed until the markers are
+ * freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_markers_sigmas(const MlgMarkers *markers,
+                                 size_t *out_count);
+
+/**
  * The weights: `*out_count` numbers, 1 where the file gives none, borrowed until the markers are
  * freed. NULL for a handle that is not valid. `out_count`: may be NULL.
  */
@@ -849,6 +856,15 @@ MlgStatus mlg_reshaping_set_markers(MlgReshaping *problem,
                                     const double *weights,
                                     size_t count,
                                     MlgError *error);
+
+/**
+ * Sets each marker's own noise, in place of the `tolerance` of all. `sigmas`: `count` numbers, finite
+ * and 0 or more, as many as there are markers; 0 stands for the tolerance. Other markers forget it.
+ */
+MlgStatus mlg_reshaping_set_marker_sigmas(MlgReshaping *problem,
+                                          const double *sigmas,
+                                          size_t count,
+                                          MlgError *error);
 
 /**
  * Sets the landmarks: template points with known targets. Replaces earlier ones.

@@ -17,6 +17,8 @@ public:
     explicit Markers(const std::string &path) : Owner(make(mlg_markers_load, path.c_str())) {}
     MOULAGE_LENDS(double, points, mlg_markers_points, 3)
     MOULAGE_LENDS(double, weights, mlg_markers_weights, 1)
+    /** The noise of each; 0 where none is given. */
+    MOULAGE_LENDS(double, sigmas, mlg_markers_sigmas, 1)
     /** The name of a marker; empty if it has none. */
     std::string label(std::size_t number) const {
         return text_or_empty(mlg_markers_label(as_const(), number));

@@ -57,6 +57,14 @@ public:
         const std::size_t count = rows(points, 3, "points");
         call(mlg_reshaping_set_markers, get(), points.data, weights_for(weights, count), count);
     }
+    void set_markers(const Markers &markers) {
+        set_markers(markers.points(), markers.weights());
+        set_marker_sigmas(markers.sigmas());
+    }
+    /** Each marker's own noise, in place of the tolerance of all; 0 stands for that. */
+    void set_marker_sigmas(View<double> sigmas) {
+        call(mlg_reshaping_set_marker_sigmas, get(), sigmas.data, sigmas.size);
+    }
     void set_landmarks(View<double> places, View<double> targets, View<double> weights = {}) {
         set_pairs(mlg_reshaping_set_landmarks, places, 3, targets, weights);
     }

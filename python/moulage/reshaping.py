@@ -4,7 +4,7 @@ import numpy
 
 from . import interface, native
 from .native import address, array
-from .shapes import Handle, Pairs, checked_weights
+from .shapes import Handle, Markers, Pairs, checked_weights
 from .tets import Run, follow, quality
 
 
@@ -23,13 +23,23 @@ class Reshaping(Handle):
     def __init__(self, tets):
         super().__init__(native.make("reshaping_new", tets._handle))
 
-    def set_markers(self, points, weights=None):
-        """Points of the person's surface, without correspondence."""
+    def set_markers(self, points, weights=None, sigmas=None):
+        """Points of the person's surface, without correspondence; `sigmas`: the noise of each, in place of
+        the tolerance of all (0 stands for that). Or Markers, with all that they have."""
+        if isinstance(points, Markers):
+            if weights is not None or sigmas is not None:
+                raise TypeError("Markers have their weights and sigmas; give nothing beside them")
+            points, weights, sigmas = points.points, points.weights, points.sigmas
         points = array(points, 3, numpy.float64, "points")
         weights = checked_weights(weights, len(points))
         native.call(
             "reshaping_set_markers", self._handle, address(points), address(weights), len(points)
         )
+        if sigmas is not None:
+            sigmas = array(sigmas, 1, numpy.float64, "sigmas")
+            native.call(
+                "reshaping_set_marker_sigmas", self._handle, address(sigmas), len(sigmas)
+            )
 
     def set_landmarks(self, template_points, targets=None, weights=None):
         """Points on or in the template, and where they are on the person; or Pairs, with their weights and names."""

@@ -132,7 +132,8 @@ class TetMesh(Handle):
 
 
 class Markers(Handle):
-    """Points that somebody marked: `points` (n, 3), `weights` (n,), `labels` (names or None)."""
+    """Points that somebody marked: `points` (n, 3), `weights` (n,), `sigmas` (n,; the noise of each, 0
+    where none is given), `labels` (names or None)."""
 
     kind = "markers"
 
@@ -163,6 +164,10 @@ class Markers(Handle):
     @property
     def weights(self):
         return native.borrowed("markers_weights", self._handle, 1, numpy.float64)
+
+    @property
+    def sigmas(self):
+        return native.borrowed("markers_sigmas", self._handle, 1, numpy.float64)
 
     @property
     def labels(self):

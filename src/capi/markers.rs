@@ -15,6 +15,7 @@ pub struct MlgMarkers;
 pub(super) struct Markers {
     points: Vec<Vec3>,
     weights: Vec<f64>,
+    sigmas: Vec<f64>,
     labels: Vec<Option<CString>>,
     /// As the file has them: what is not said there is not written either.
     original: Vec<io::Marker>,
@@ -26,6 +27,7 @@ impl Markers {
         Self {
             points: markers.iter().map(|m| m.position).collect(),
             weights: markers.iter().map(|m| m.weight.unwrap_or(1.0)).collect(),
+            sigmas: markers.iter().map(|m| m.sigma.unwrap_or(0.0)).collect(),
             labels: markers.iter().map(label).collect(),
             original: markers,
         }
@@ -101,6 +103,16 @@ pub unsafe extern "C" fn mlg_markers_points(
     out_count: *mut usize,
 ) -> *const f64 {
     access::lend(markers, out_count, |markers: &Markers| &markers.points)
+}
+
+/// The noise of each: `*out_count` numbers, 0 where the file gives none, borrowed until the markers are
+/// freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_markers_sigmas(
+    markers: *const MlgMarkers,
+    out_count: *mut usize,
+) -> *const f64 {
+    access::lend(markers, out_count, |markers: &Markers| &markers.sigmas)
 }
 
 /// The weights: `*out_count` numbers, 1 where the file gives none, borrowed until the markers are

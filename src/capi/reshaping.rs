@@ -173,6 +173,36 @@ pub unsafe extern "C" fn mlg_reshaping_set_markers(
     })
 }
 
+/// Sets each marker's own noise, in place of the `tolerance` of all. `sigmas`: `count` numbers, finite
+/// and 0 or more, as many as there are markers; 0 stands for the tolerance. Other markers forget it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_marker_sigmas(
+    problem: *mut MlgReshaping,
+    sigmas: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
+        // SAFETY: the caller's promise (see the module).
+        let sigmas = unsafe { buffers::numbers(sigmas, count, "sigmas")? };
+        let mut problem = problem.lock();
+        let markers = problem.markers.len();
+        if count != markers {
+            return Err(Failure::invalid(format!("{count} sigmas for {markers} markers")));
+        }
+        if let Some(i) = sigmas.iter().position(|sigma| *sigma < 0.0) {
+            return Err(Failure::invalid(format!(
+                "sigmas: number {i} is {}; give 0 where the tolerance holds, else more",
+                sigmas[i]
+            )));
+        }
+        for (marker, sigma) in problem.markers.iter_mut().zip(sigmas) {
+            marker.sigma = (sigma > 0.0).then_some(sigma);
+        }
+        Ok(())
+    })
+}
+
 /// Sets the landmarks: template points with known targets. Replaces earlier ones.
 ///
 /// `template_points` and `targets`: `3 * count` coordinates each, finite; the template points lie

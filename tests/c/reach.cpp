@@ -68,6 +68,9 @@ static void marked() {
     markers.save(in_folder("marks.csv"));
     const Markers again(in_folder("marks.csv"));
     CHECK(again.points().size == 9 && again.label(2) == "side");
+    std::ofstream(in_folder("noise.csv")) << "x,y,z,sigma\n0,0,1,0.2\n0,0,-1,\n1,0,0,\n";
+    const Markers noisy(in_folder("noise.csv"));
+    CHECK(noisy.sigmas()[0] == 0.2 && noisy.sigmas()[1] == 0);
 }
 
 static Pairs pairs() {
@@ -81,6 +84,9 @@ static Pairs pairs() {
 static ReshapingResult reshaped(const Tetrahedralization &tets) {
     const Ball ball, larger(1.2);
     Reshaping problem(tets);
+    const std::vector<double> noise(POINTS, 0.01);
+    problem.set_markers(Markers(larger.points));
+    problem.set_marker_sigmas(noise);
     problem.set_markers(larger.points);
     const std::vector<std::uint32_t> vertices = {0, POINTS - 1};
     const std::vector<double> targets = {0, 0, 1.3, 0, 0, -1.1};

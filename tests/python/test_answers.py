@@ -81,6 +81,11 @@ class Answers(unittest.TestCase):
         held = self.points[4:7] + (0.2, 0, 0)
         problem.set_attachments(self.points[4:7], held)
         problem.set_markers([[0.5, 0.5, 1.1]])
+        with self.assertRaisesRegex(moulage.Error, "number 0 is -1"):
+            problem.set_markers([[0.5, 0.5, 1.1]], sigmas=[-1])
+        with self.assertRaisesRegex(TypeError, "nothing beside them"):
+            problem.set_markers(moulage.Markers([[0.5, 0.5, 1.1]]), [1])
+        problem.set_markers(moulage.Markers([[0.5, 0.5, 1.1]]))
         problem.set_fixed([7])
         (note,) = problem.check()
         self.assertRegex(note, "only 1 markers")

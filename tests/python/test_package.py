@@ -32,7 +32,7 @@ def long_run():
     """A run on the liver that goes on until it is stopped."""
     surface = moulage.TriMesh.load(LIVER / "template.obj")
     problem = moulage.Reshaping(moulage.Tetrahedralization(surface, "lattice", 3000))
-    problem.set_markers(moulage.Markers.load(LIVER / "markers.csv").points)
+    problem.set_markers(moulage.Markers.load(LIVER / "markers.csv"))
     return problem.start(tolerance=1e-6)
 
 
