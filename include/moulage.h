@@ -1231,7 +1231,8 @@ const double *mlg_reshaping_result_tet_points(const MlgReshapingResult *result,
 
 /**
  * The plastic strain Fp of each of these tets, from the template to the person: `9 * *out_count`
- * numbers, a symmetric 3x3 matrix each; borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ * numbers, a symmetric 3x3 matrix each; borrowed until the result is freed. NULL for a handle that is
+ * not valid. `out_count`: may be NULL.
  */
 const double *mlg_reshaping_result_plastic_strains(const MlgReshapingResult *result,
                                                    size_t *out_count);

@@ -194,7 +194,8 @@ pub unsafe extern "C" fn mlg_reshaping_result_tet_points(
 }
 
 /// The plastic strain Fp of each of these tets, from the template to the person: `9 * *out_count`
-/// numbers, a symmetric 3x3 matrix each; borrowed until the result is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+/// numbers, a symmetric 3x3 matrix each; borrowed until the result is freed. NULL for a handle that is
+/// not valid. `out_count`: may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_reshaping_result_plastic_strains(
     result: *const MlgReshapingResult,

@@ -11,13 +11,16 @@ use super::options::Options;
 use super::problem::{Problem, TemplatePoint};
 use super::reshaped::{Leg, Reshaped, carry_through};
 use super::solver::{solve, solve_again};
-use super::summary::{Remesh, Shapeliness, Stop, Summary};
+use super::summary::{Remesh, Shapeliness, Stop};
 use crate::error::{Error, Result};
 use crate::locate::Embedding;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::TriMesh;
 use crate::run::Run;
 use crate::tetrahedralize::tetrahedralize;
+
+/// Tets are too flat to go on where one in twenty has a smaller radius ratio: 1 is a regular one's.
+const FLAT: f64 = 0.1;
 
 /// Reshapes the template, and where the solver makes no further progress, on new tets. A cancelled run
 /// returns its best shape so far.
@@ -27,7 +30,7 @@ pub fn reshape(problem: &Problem, options: &Options, run: &Run) -> Result<Reshap
     let options = options.settled(&problem.surface);
     let mut best = solve(problem, &options, options.max_iterations, run)?;
     let most = if Formulation::of(&options).second_chances { options.max_remeshes } else { 0 };
-    while best.summary.remeshes.len() < most && is_stuck(&best.summary, &options) {
+    while best.summary.remeshes.len() < most && is_stuck(&best, &options) {
         // Whatever becomes of the next leg, the shape reached is not lost.
         let note = match next_leg(problem, &best, &options, run) {
             Ok(next) if next.summary.marker_distance() <= best.summary.marker_distance() => {
@@ -72,10 +75,12 @@ pub fn reshape_again(
     Ok(after(next, earlier.legs.clone(), earlier.before.clone()))
 }
 
-/// Whether nothing more is gained although the markers are not explained yet.
-fn is_stuck(summary: &Summary, options: &Options) -> bool {
+/// Whether nothing more is gained although the markers are not explained yet, for flat tets.
+fn is_stuck(reshaped: &Reshaped, options: &Options) -> bool {
+    let summary = &reshaped.summary;
     let far = options.tolerance.is_some_and(|tolerance| summary.marker_distance() > tolerance);
-    summary.stop == Stop::NoStep || summary.stop == Stop::Settled && far
+    let flat = || Shapeliness::of(&reshaped.deformed_tets()).p5 < FLAT;
+    summary.stop == Stop::NoStep || summary.stop == Stop::Settled && far && flat()
 }
 
 /// Another leg: the shape reached so far at rest in new tets.
