@@ -84,12 +84,15 @@ impl DataTerms {
         correspondences: &Correspondences,
         weights: &[Vec<f64>],
     ) -> Option<Rows> {
+        if !self.markers.are_grouped() {
+            return None;
+        }
         let place = self.place(x, correspondences);
         let mut rows = Rows::default();
         for (term, weights) in self.terms().zip(weights) {
             term.add_representatives(&place, weights, &mut rows);
         }
-        self.markers.are_grouped().then_some(rows)
+        Some(rows)
     }
 
     fn place<'a>(&'a self, x: &'a [Vec3], correspondences: &'a Correspondences) -> Place<'a> {

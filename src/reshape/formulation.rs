@@ -25,7 +25,8 @@ pub struct Formulation {
     pub hinges: bool,
     /// How a held body looks for a step.
     pub held_steps: Steps,
-    /// Whether far markers and lagging attachments get another chance when the run has settled.
+    /// Whether far markers and lagging attachments get another chance when the run has settled, and flat
+    /// tets are replaced.
     pub second_chances: bool,
 }
 

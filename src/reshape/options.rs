@@ -39,7 +39,7 @@ pub struct Options {
     /// Gauss-Newton iterations allowed.
     pub max_iterations: usize,
     /// How often the shape reached may be filled with new tets where the old ones have become so flat
-    /// that no step is found; 0: never.
+    /// that nothing more is gained; 0: never. The published formulation does without.
     pub max_remeshes: usize,
 }
 

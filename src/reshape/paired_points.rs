@@ -61,14 +61,17 @@ impl Term for PairedPoints {
     /// beyond it fade out. So bad landmarks lose to the markers, good ones are met exactly.
     fn weigh(&self, place: &Place, _: Weighting) -> Weighed {
         let distances = self.distances(place.x);
-        let sigma =
-            if self.doubted { robust_deviation(&distances, self.sigma) } else { self.sigma };
+        let (sigma, limit) = if self.doubted {
+            let sigma = robust_deviation(&distances, self.sigma);
+            (sigma, OUTLIER * sigma)
+        } else {
+            (self.sigma, f64::INFINITY)
+        };
         // A noise that is found larger has its price: -log of the normal density's height.
         let price = 3.0 * (sigma / self.sigma).ln();
         let (mut weights, mut sum) = (Vec::new(), 0.0);
         for ((pair, gain), r) in self.list.iter().zip(&self.gains).zip(distances) {
-            let (cost, share) =
-                if self.doubted { geman_mcclure(r, OUTLIER * sigma) } else { (0.5 * r * r, 1.0) };
+            let (cost, share) = geman_mcclure(r, limit);
             sum += pair.weight * gain * (cost / sigma.powi(2) + price);
             weights.push(pair.weight * gain * share / sigma.powi(2));
         }

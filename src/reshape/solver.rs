@@ -15,7 +15,6 @@ use super::problem::Problem;
 use super::reshaped::Reshaped;
 use super::schedule::Schedule;
 use super::summary::{IterationRecord, Stop, Summary};
-use super::term::Weighting;
 
 /// Newton steps and residual (relative to E l^2) of the start, which may be far from equilibrium.
 const START: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-7, max_steps: 200 };
@@ -54,7 +53,7 @@ pub fn solve(
     let (objective, start) = Objective::new(problem, options)?;
     let schedule = Schedule::growing(objective.scene.body.is_free());
     let mut solver = Solver::new(objective, max_iterations, run);
-    let start = solver.start(start, schedule.weighting)?;
+    let start = solver.equilibrium(start)?;
     let mut ended = solver.minimize(start, schedule)?;
     if solver.objective.formulation.second_chances {
         ended = solver.reconsider_far_markers(ended)?;
@@ -69,7 +68,7 @@ pub fn solve_again(earlier: &Earlier, problem: &Problem, run: &Run) -> Result<Re
     let (objective, state) = Objective::again(problem, earlier)?;
     let schedule = Schedule::again();
     let mut solver = Solver::new(objective, earlier.options.max_iterations, run);
-    let start = solver.start(state, schedule.weighting)?;
+    let start = solver.equilibrium(state)?;
     let mut ended = solver.minimize(start, schedule)?;
     if ended.stop == Stop::NoStep {
         // The earlier shape had settled: that there is no better step is no failure.
@@ -85,20 +84,20 @@ impl<'a> Solver<'a> {
     }
 
     /// The shape in equilibrium with a strain, from a shape near by.
-    fn start(&mut self, near: State, weighting: Weighting) -> Result<Shape> {
+    fn equilibrium(&mut self, near: State) -> Result<Shape> {
         let State { s, x } = near;
         let plastic = self.objective.plastic(&s);
         let equilibrium = self.objective.scene.body.equilibrate(x, &plastic, &START)?;
         self.newton_steps += equilibrium.steps;
-        let shape = self.objective.shape(State { s, x: equilibrium.x });
-        let start = self.objective.evaluate(shape, weighting);
-        self.record(&start);
-        Ok(start.shape)
+        Ok(self.objective.shape(State { s, x: equilibrium.x }))
     }
 
     /// Gauss-Newton steps, for as long as the schedule has them.
     fn minimize(&mut self, start: Shape, mut schedule: Schedule) -> Result<Ended> {
         let mut at = self.objective.evaluate(start, schedule.weighting);
+        if self.records.is_empty() {
+            self.record(&at);
+        }
         loop {
             if let Some(stop) = self.interruption() {
                 return Ok(Ended { at, stop });
@@ -275,7 +274,7 @@ mod tests {
         let options = Options::default();
         let (objective, start) = Objective::new(&problem, &options).unwrap();
         let mut solver = Solver::new(objective, options.max_iterations, &run);
-        let start = solver.start(start, Weighting::ROBUST).unwrap();
+        let start = solver.equilibrium(start).unwrap();
         let settled = solver.minimize(start, Schedule::growing(true)).unwrap();
         let iterations = solver.records.len();
         // Nothing is left to gain: one more step, and it is the last.
