@@ -274,7 +274,7 @@ fn check_says_what_files_are() {
 }
 
 #[test]
-fn a_sphere_becomes_a_liver_on_tets_made_anew() {
+fn a_sphere_becomes_a_liver_on_new_tets() {
     let folder = Folder::with_ball_of("remesh", 18, 36);
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/liver/template.obj");
     let liver = io::read_surface(&example).unwrap().mesh().unwrap();

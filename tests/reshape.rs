@@ -59,16 +59,20 @@ fn problem(scale: f64, placed: impl Fn(&Vec3) -> Vec3) -> Problem {
     problem
 }
 
+fn at_vertex(vertex: usize, target: Vec3) -> Landmark {
+    Landmark {
+        label: vertex.to_string(),
+        template: TemplatePoint::Vertex(vertex as u32),
+        target,
+        weight: 1.0,
+    }
+}
+
 /// The same with the markers' correspondences known. Matches of markers change at rounding level, and
 /// with them the last digits that two runs share.
 fn paired(scale: f64, placed: impl Fn(&Vec3) -> Vec3) -> Problem {
     let mut problem = problem(scale, placed);
-    let landmark = |(k, marker): (usize, Marker)| Landmark {
-        label: k.to_string(),
-        template: TemplatePoint::Vertex(2 * k as u32),
-        target: marker.position,
-        weight: 1.0,
-    };
+    let landmark = |(k, marker): (usize, Marker)| at_vertex(2 * k, marker.position);
     let markers = std::mem::take(&mut problem.markers);
     problem.landmarks = markers.into_iter().enumerate().map(landmark).collect();
     problem
@@ -204,12 +208,8 @@ fn a_cancelled_run_returns_its_best_and_says_so() {
 #[test]
 fn one_wrong_landmark_loses_to_the_markers() {
     let mut problem = problem(1.0, |p| *p);
-    let landmark = |v: u32, shift: Vec3| Landmark {
-        label: v.to_string(),
-        template: TemplatePoint::Vertex(v),
-        target: truth(&problem.surface.points[v as usize]) + shift,
-        weight: 1.0,
-    };
+    let points = &problem.surface.points;
+    let landmark = |v: usize, shift: Vec3| at_vertex(v, truth(&points[v]) + shift);
     let none = Vec3::zeros();
     problem.landmarks =
         [(0, none), (1, none), (40, none), (70, none), (100, Vec3::new(0.0, 0.0, 0.9))]
@@ -227,12 +227,7 @@ fn one_wrong_landmark_loses_to_the_markers() {
 fn the_order_of_the_markers_does_not_matter() {
     let mut problem = problem(1.0, |p| *p);
     for v in [2, 5, 8, 11, 14, 17] {
-        problem.attachments.push(Landmark {
-            label: v.to_string(),
-            template: TemplatePoint::Vertex(v),
-            target: problem.surface.points[v as usize],
-            weight: 1.0,
-        });
+        problem.attachments.push(at_vertex(v, problem.surface.points[v]));
     }
     // One step of a held body: later, and where a start is fitted first, matches change at rounding level.
     let options = Options { max_iterations: 1, ..Options::default() };
@@ -270,12 +265,8 @@ fn markers_of_known_noise_give_way_to_better_ones() {
 fn a_pair_costs_more_the_farther_it_is_also_one_that_is_doubted() {
     // The ball is held at rest, so that the first shape is the same whatever the landmark says.
     let mut problem = problem(1.0, |p| *p);
-    let hold = |k: usize, shift: Vec3| Landmark {
-        label: k.to_string(),
-        template: TemplatePoint::Vertex(k as u32),
-        target: problem.surface.points[k] + shift,
-        weight: 1.0,
-    };
+    let points = problem.surface.points.clone();
+    let hold = |k: usize, shift: Vec3| at_vertex(k, points[k] + shift);
     problem.attachments = [0, 1, 40, 70, 100].map(|v| hold(v, Vec3::zeros())).to_vec();
     let options =
         Options { landmark_tolerance: Some(0.02), max_iterations: 0, ..Options::default() };
@@ -320,13 +311,8 @@ fn wrong_markers_are_given_up_in_the_end() {
 #[test]
 fn the_published_formulation_runs_on_a_held_body() {
     let mut problem = problem(1.0, |p| *p);
-    for v in [2_u32, 5, 8, 11, 14, 17] {
-        problem.attachments.push(Landmark {
-            label: v.to_string(),
-            template: TemplatePoint::Vertex(v),
-            target: truth(&problem.surface.points[v as usize]),
-            weight: 1.0,
-        });
+    for v in [2, 5, 8, 11, 14, 17] {
+        problem.attachments.push(at_vertex(v, truth(&problem.surface.points[v])));
     }
     let options = Options { paper: true, max_iterations: 12, ..Options::default() };
     let result = reshape(&problem, &options, &Run::new()).unwrap();
@@ -378,12 +364,7 @@ fn attached(off: impl Fn(usize) -> Vec3) -> (Problem, Reshaped, Vec<f64>) {
     let mut problem = problem(1.0, |p| *p);
     let points = &problem.surface.points;
     let low: Vec<usize> = (0..points.len()).filter(|&v| points[v].z < -0.5).collect();
-    let attachment = |(k, &v): (usize, &usize)| Landmark {
-        label: v.to_string(),
-        template: TemplatePoint::Vertex(v as u32),
-        target: truth(&points[v]) + off(k),
-        weight: 1.0,
-    };
+    let attachment = |(k, &v): (usize, &usize)| at_vertex(v, truth(&points[v]) + off(k));
     problem.attachments = low.iter().enumerate().map(attachment).collect();
     let result = reshape(&problem, &attachment_options(), &Run::new()).unwrap();
     let distances = low.iter().zip(&problem.attachments);
