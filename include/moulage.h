@@ -824,7 +824,7 @@ typedef struct MlgReshapingOptions {
   uint32_t reserved;
   /**
    * How often the shape reached may be filled with new tets, where a very large change has made the
-   * old ones so flat that no step is found. Default: 3; 0: never. The result's tets are the new ones.
+   * old ones so flat that nothing more is gained. Default: 3; 0: never. The result's tets are the new ones.
    */
   uint32_t max_remeshes;
   /**

@@ -81,13 +81,19 @@ pub(super) unsafe fn weights(pointer: *const f64, count: usize) -> Outcome<Vec<f
         return Ok(vec![1.0; count]);
     }
     // SAFETY: passed on from the caller.
-    let weights = unsafe { elements(pointer, count, "weights")? };
-    match weights.iter().position(|w| !(w.is_finite() && *w >= 0.0)) {
+    unsafe { sizes(pointer, count, "weights") }
+}
+
+/// Finite numbers of 0 or more.
+pub(super) unsafe fn sizes(pointer: *const f64, count: usize, name: &str) -> Outcome<Vec<f64>> {
+    // SAFETY: passed on from the caller.
+    let sizes = unsafe { elements(pointer, count, name)? };
+    match sizes.iter().position(|size| !(size.is_finite() && *size >= 0.0)) {
         Some(i) => Err(Failure::invalid(format!(
-            "weights: number {i} is {}; weights are 0 or more",
-            weights[i]
+            "{name}: number {i} is {}; {name} are 0 or more",
+            sizes[i]
         ))),
-        None => Ok(weights.to_vec()),
+        None => Ok(sizes.to_vec()),
     }
 }
 

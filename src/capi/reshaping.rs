@@ -55,7 +55,7 @@ pub struct MlgReshapingOptions {
     /// Leave at 0.
     pub reserved: u32,
     /// How often the shape reached may be filled with new tets, where a very large change has made the
-    /// old ones so flat that no step is found. Default: 3; 0: never. The result's tets are the new ones.
+    /// old ones so flat that nothing more is gained. Default: 3; 0: never. The result's tets are the new ones.
     pub max_remeshes: u32,
     /// Leave at 0.
     pub reserved_too: u32,
@@ -184,17 +184,11 @@ pub unsafe extern "C" fn mlg_reshaping_set_marker_sigmas(
 ) -> MlgStatus {
     access::with((problem, "problem"), error, |problem: &ProblemObject| {
         // SAFETY: the caller's promise (see the module).
-        let sigmas = unsafe { buffers::numbers(sigmas, count, "sigmas")? };
+        let sigmas = unsafe { buffers::sizes(sigmas, count, "sigmas")? };
         let mut problem = problem.lock();
         let markers = problem.markers.len();
         if count != markers {
             return Err(Failure::invalid(format!("{count} sigmas for {markers} markers")));
-        }
-        if let Some(i) = sigmas.iter().position(|sigma| *sigma < 0.0) {
-            return Err(Failure::invalid(format!(
-                "sigmas: number {i} is {}; give 0 where the tolerance holds, else more",
-                sigmas[i]
-            )));
         }
         for (marker, sigma) in problem.markers.iter_mut().zip(sigmas) {
             marker.sigma = (sigma > 0.0).then_some(sigma);

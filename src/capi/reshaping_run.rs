@@ -9,8 +9,8 @@ use crate::reshape::{Options, Problem, reshape, reshape_again};
 use crate::run::Run;
 use crate::threads::thread_pool;
 
-fn compute(problem: Problem, options: &Options, run: &Run) -> Outcome<ReshapingResult> {
-    let reshaped = reshape(&problem, options, run)?;
+fn compute(problem: &Problem, options: &Options, run: &Run) -> Outcome<ReshapingResult> {
+    let reshaped = reshape(problem, options, run)?;
     ReshapingResult::new(problem, reshaped, run.progress().seconds)
 }
 
@@ -29,7 +29,7 @@ pub unsafe extern "C" fn mlg_reshaping_start(
         problem.check()?;
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        RunObject::start("a reshaping", thread_count, move |run| compute(problem, &options, run))
+        RunObject::start("a reshaping", thread_count, move |run| compute(&problem, &options, run))
     })
 }
 
@@ -53,7 +53,7 @@ pub unsafe extern "C" fn mlg_reshaping_start_again(
         let (options, thread_count) = unsafe { options_of(options)? };
         let run = RunObject::start("a reshaping", thread_count, move |run| {
             let reshaped = reshape_again(earlier.reshaped(), &problem, &options, run)?;
-            ReshapingResult::new(problem, reshaped, run.progress().seconds)
+            ReshapingResult::new(&problem, reshaped, run.progress().seconds)
         })?;
         Ok(run)
     })
@@ -84,6 +84,6 @@ pub unsafe extern "C" fn mlg_reshaping_run(
         let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
         // SAFETY: the caller's promise (see the module).
         let (options, thread_count) = unsafe { options_of(options)? };
-        thread_pool(thread_count)?.install(|| compute(problem, &options, &Run::new()))
+        thread_pool(thread_count)?.install(|| compute(&problem, &options, &Run::new()))
     })
 }

@@ -71,7 +71,6 @@ pub struct MlgReshapingSummary {
 unsafe impl Versioned for MlgReshapingSummary {}
 
 pub(super) struct ReshapingResult {
-    problem: Problem,
     reshaped: Reshaped,
     pub(super) distances: Distances,
     /// Largest and smallest principal stretch at each vertex of the surface.
@@ -112,11 +111,11 @@ fn pair_distances(problem: &Problem, reshaped: &Reshaped) -> Outcome<(Vec<f64>, 
 }
 
 impl ReshapingResult {
-    pub fn new(problem: Problem, reshaped: Reshaped, seconds: f64) -> Outcome<Self> {
-        let distances = Distances::new(&problem, &reshaped)?;
+    pub fn new(problem: &Problem, reshaped: Reshaped, seconds: f64) -> Outcome<Self> {
+        let distances = Distances::new(problem, &reshaped)?;
         let last = &reshaped.problem;
         let stretches = stretches_of(&reshaped.gradients(), &last.tets, &last.embedding);
-        Ok(Self { problem, reshaped, distances, stretches, seconds })
+        Ok(Self { reshaped, distances, stretches, seconds })
     }
 
     pub fn reshaped(&self) -> &Reshaped {
@@ -125,12 +124,13 @@ impl ReshapingResult {
 
     /// The result as a body that contact can push.
     pub fn body(&self, name: String) -> Body {
+        let problem = &self.reshaped.problem;
         Body {
             name,
             tets: self.reshaped.deformed_tets(),
-            embedding: self.reshaped.problem.embedding.clone(),
-            triangles: self.problem.surface.triangles.clone(),
-            markers: self.problem.markers.iter().map(|m| m.position).collect(),
+            embedding: problem.embedding.clone(),
+            triangles: problem.surface.triangles.clone(),
+            markers: problem.markers.iter().map(|m| m.position).collect(),
         }
     }
 

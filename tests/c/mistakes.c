@@ -142,6 +142,7 @@ static void problems(void) {
     expect(mlg_reshaping_check(problem, NULL, 0, NULL, &error), MLG_STATUS_INVALID_ARGUMENT,
            "weight above 0");
     expect(mlg_reshaping_set_marker_sigmas(problem, points, 2, &error), MLG_STATUS_INVALID_ARGUMENT, "2 sigmas for");
+    expect(mlg_reshaping_set_marker_sigmas(problem, infinite, 3, &error), MLG_STATUS_INVALID_ARGUMENT, "sigmas are 0 or more");
     CHECK(mlg_reshaping_set_markers(problem, NULL, NULL, 0, &error) == MLG_STATUS_OK);
     expect(mlg_reshaping_run(problem, NULL, &result, &error), MLG_STATUS_INVALID_ARGUMENT,
            "at least three");
