@@ -11,6 +11,10 @@ const MOST_SINGLE: usize = 1000;
 /// Groups that they form: a power of two.
 const GROUPS: usize = 512;
 
+/// Coordinates and extents that differ by less than this share of the extent are taken for the same.
+/// Irrational, so that markers on a regular grid do not lie on the border of two levels.
+const SAME_PLACE: f64 = std::f64::consts::PI * 1e-4;
+
 /// Markers that lie close together.
 #[derive(Clone, Debug)]
 pub struct MarkerGroup {
@@ -51,11 +55,21 @@ fn parts(markers: &[Vec3], count: usize) -> Vec<Vec<u32>> {
 fn halves(mut members: Vec<u32>, markers: &[Vec3]) -> [Vec<u32>; 2] {
     let points: Vec<Vec3> = members.iter().map(|&m| markers[m as usize]).collect();
     let extent = bounding_box(&points).map_or_else(Vec3::zeros, |(low, high)| high - low);
-    let axis = extent.imax();
-    let place = |&m: &u32| [0, 1, 2].map(|k| markers[m as usize][(axis + k) % 3]);
+    let longest = extent.max();
+    let is_longest = |k: &usize| extent[*k] >= longest * (1.0 - SAME_PLACE);
+    let axis = (0..3).find(is_longest).unwrap_or(0);
+    let along = |m: u32| [0, 1, 2].map(|k| markers[m as usize][(axis + k) % 3]);
+    // Markers of one slice are level with each other, whatever the rounding in their file.
+    let level = SAME_PLACE * longest;
+    let place = |&m: &u32| {
+        let exact = along(m);
+        // Adding zero makes -0 to 0.
+        (exact.map(|c| (c / level).round() + 0.0), exact)
+    };
     members.sort_by(|a, b| {
-        let (a, b) = (place(a), place(b));
-        a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
+        let ((a, exact_a), (b, exact_b)) = (place(a), place(b));
+        let pairs = a.iter().zip(&b).chain(exact_a.iter().zip(&exact_b));
+        pairs.map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
     });
     let upper = members.split_off(members.len() / 2);
     [members, upper]
@@ -82,6 +96,17 @@ mod tests {
         let chosen = every_second(&mixed.map(at));
         assert_eq!(chosen, mixed.map(|i| i % 2 == 0));
         assert!(every_second(&[]).is_empty());
+    }
+
+    #[test]
+    fn rounding_does_not_change_which_markers_of_slices_are_chosen() {
+        let grid = |i: u32| Vec3::new(f64::from(i % 9), f64::from(i / 9 % 5), f64::from(i / 45));
+        let exact: Vec<Vec3> = (0..135).map(grid).collect();
+        let rounded = |(i, p): (usize, &Vec3)| {
+            p + Vec3::new((i as f64).sin(), (i as f64).cos(), (3.0 * i as f64).sin()) * 1e-7
+        };
+        let rounded: Vec<Vec3> = exact.iter().enumerate().map(rounded).collect();
+        assert_eq!(every_second(&rounded), every_second(&exact));
     }
 
     #[test]
