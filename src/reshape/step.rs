@@ -17,8 +17,9 @@ use crate::run::Run;
 /// Pairs of trials before the search for a step is given up.
 const MAX_ROUNDS: i32 = 3;
 
-/// How exact directions are; the trials judge them.
-const DIRECTION_REDUCTION: f64 = 1e-4;
+/// How exact directions are. Less would do for the trials, which judge them; but what is missing hangs on
+/// rounding, and steps towards wrong matches multiply it.
+const DIRECTION_REDUCTION: f64 = 1e-8;
 
 /// The same for very many markers, where each digit costs steps of conjugate gradients.
 const ITERATED_REDUCTION: f64 = 0.03;
