@@ -5,7 +5,7 @@ set -euo pipefail
 folder=$(realpath -m "$(dirname "$0")/../target/cache/$1")
 python=$2
 shift 2
-# Made again when other packages are asked for, when it was not finished, or when it was moved: its programs name its place.
+# Built again when other packages are asked for, when it was not finished, or when it was moved: its programs name its place.
 asked="$folder: $*"
 if [ "$(cat "$folder/packages" 2>/dev/null)" != "$asked" ]; then
     rm -rf "$folder"

@@ -59,18 +59,13 @@ fn halves(mut members: Vec<u32>, markers: &[Vec3]) -> [Vec<u32>; 2] {
     let is_longest = |k: &usize| extent[*k] >= longest * (1.0 - SAME_PLACE);
     let axis = (0..3).find(is_longest).unwrap_or(0);
     let along = |m: u32| [0, 1, 2].map(|k| markers[m as usize][(axis + k) % 3]);
+    members.sort_by(|&a, &b| {
+        let pairs = along(a).into_iter().zip(along(b));
+        pairs.map(|(a, b)| a.total_cmp(&b)).fold(Ordering::Equal, Ordering::then)
+    });
     // Markers of one slice are level with each other, whatever the rounding in their file.
     let level = SAME_PLACE * longest;
-    let place = |&m: &u32| {
-        let exact = along(m);
-        // Adding zero makes -0 to 0.
-        (exact.map(|c| (c / level).round() + 0.0), exact)
-    };
-    members.sort_by(|a, b| {
-        let ((a, exact_a), (b, exact_b)) = (place(a), place(b));
-        let pairs = a.iter().zip(&b).chain(exact_a.iter().zip(&exact_b));
-        pairs.map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
-    });
+    members.sort_by_cached_key(|&m| along(m).map(|c| (c / level).round() as i64));
     let upper = members.split_off(members.len() / 2);
     [members, upper]
 }
