@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use moulage::fem::{
-    Body, MaterialPoint, PlasticState, Sensitivity, Spring, StrainSmoothness, StrainSpace,
+    Body, MaterialPoint, PlasticState, Screening, Sensitivity, Spring, StrainSmoothness,
+    StrainSpace,
 };
 use moulage::material::StableNeoHookean;
 use moulage::math::{Sym3, Vec3};
@@ -10,6 +11,8 @@ use moulage::mesh::TetMesh;
 use moulage::reshape::{Linearization, NormalEquations, Rows};
 use moulage::solve::Factor;
 use nalgebra::{DMatrix, DVector};
+
+const SCREENING: Screening = Screening { length: 0.7, mean_sigma: 0.5 };
 
 /// A block of 2 x 2 x 2 cells, five tets each.
 fn block() -> TetMesh {
@@ -79,7 +82,7 @@ impl Setup {
         Self { body, space, s, x, plastic, rows }
     }
 
-    fn smoothness(&self, screening: Option<f64>) -> StrainSmoothness {
+    fn smoothness(&self, screening: Option<Screening>) -> StrainSmoothness {
         StrainSmoothness::new(
             &self.body,
             &self.space,
@@ -101,7 +104,6 @@ impl Setup {
         &self,
         at: &Linearization<'_, StableNeoHookean>,
         prior: &StrainSmoothness,
-        anchor: &[Sym3],
         damping: f64,
     ) -> Vec<Sym3> {
         let n = 6 * self.s.len();
@@ -117,18 +119,12 @@ impl Setup {
                 r.view_mut((6 * c, k), (6, 1)).copy_from(column);
             }
         }
-        let offset = DVector::from_iterator(
-            n,
-            self.s
-                .iter()
-                .zip(anchor)
-                .flat_map(|(s, a)| (s - a).iter().copied().collect::<Vec<_>>()),
-        );
+        let s = DVector::from_iterator(n, self.s.iter().flat_map(|s| s.iter().copied()));
         let residual = DVector::from_iterator(
             self.rows.rows.len(),
             self.rows.rows.iter().map(|row| row.weight.sqrt() * row.residual),
         );
-        let gradient = &r * offset + z.transpose() * residual;
+        let gradient = &r * s + z.transpose() * residual;
         let ds = (r * (1.0 + damping) + z.transpose() * &z).lu().solve(&-gradient).unwrap();
         ds.as_slice().chunks_exact(6).map(Sym3::from_column_slice).collect()
     }
@@ -142,14 +138,13 @@ fn relative(found: &[Sym3], expected: &[Sym3]) -> f64 {
 #[test]
 fn dual_equals_dense_hessian_screened_and_free() {
     let setup = Setup::new(StrainSpace::NODAL_LOGARITHM);
-    let anchor = vec![Sym3::new(0.1, 0.0, 0.02, 0.0, 0.0, -0.1); setup.s.len()];
-    for screening in [None, Some(0.7)] {
+    for screening in [None, Some(SCREENING)] {
         let prior = setup.smoothness(screening);
         setup.with(|at| {
             let equations = NormalEquations::new(at, &setup.rows, None, &prior);
             for damping in [0.0, 3.0] {
-                let found = equations.direction(&setup.s, &anchor, damping, 1e-10).unwrap();
-                let dense = setup.dense(at, &prior, &anchor, damping);
+                let found = equations.direction(&setup.s, damping, 1e-10).unwrap();
+                let dense = setup.dense(at, &prior, damping);
                 assert!(relative(&found.ds, &dense) < 1e-8, "{screening:?}, {damping}");
             }
         });
@@ -157,22 +152,42 @@ fn dual_equals_dense_hessian_screened_and_free() {
 }
 
 #[test]
+fn a_smoothness_its_gradient_and_its_inverse_agree() {
+    let setup = Setup::new(StrainSpace::NODAL_LOGARITHM);
+    let prior = setup.smoothness(Some(SCREENING));
+    let gradient = prior.apply(&setup.s);
+    let product: f64 = gradient.iter().zip(&setup.s).map(|(g, s)| g.dot(s)).sum();
+    assert!((prior.energy(&setup.s) - 0.5 * product).abs() < 1e-12 * product);
+    assert!(relative(&prior.solve(&gradient), &setup.s) < 1e-10);
+}
+
+#[test]
+fn a_mean_strain_has_its_own_price() {
+    let setup = Setup::new(StrainSpace::NODAL_LOGARITHM);
+    let constant = Sym3::new(0.1, 0.0, 0.02, 0.03, 0.0, -0.2);
+    let squares = constant.component_mul(&constant).dot(&Sym3::new(1.0, 2.0, 2.0, 1.0, 2.0, 1.0));
+    // A field that is screened over a short distance can hardly follow by itself.
+    let screening = Screening { length: 0.01, mean_sigma: 0.3 };
+    let energy = setup.smoothness(Some(screening)).energy(&vec![constant; setup.s.len()]);
+    assert!((energy / (0.5 * squares / 0.09) - 1.0).abs() < 1e-4, "{energy}");
+}
+
+#[test]
 fn conjugate_gradients_over_representatives_equal_the_dual() {
     for held in [&[0, 2, 6, 8, 13][..], &[]] {
         let setup = Setup::held_at(StrainSpace::NODAL_LOGARITHM, held);
-        let anchor = vec![Sym3::new(0.1, 0.0, 0.02, 0.0, 0.0, -0.1); setup.s.len()];
         // Five of the nine points, counted double.
         let mut few = Rows::default();
         for row in setup.rows.rows.chunks(3).step_by(2).flatten() {
             few.push(setup.rows.gradient(row).to_vec(), row.residual, 2.0 * row.weight);
         }
-        for (screening, damping) in [(None, 0.0), (Some(0.7), 0.0), (Some(0.7), 3.0)] {
+        for (screening, damping) in [(None, 0.0), (Some(SCREENING), 0.0), (Some(SCREENING), 3.0)] {
             let prior = setup.smoothness(screening);
             setup.with(|at| {
                 let direct = NormalEquations::new(at, &setup.rows, None, &prior);
                 let iterated = NormalEquations::new(at, &setup.rows, Some(&few), &prior);
-                let direct = direct.direction(&setup.s, &anchor, damping, 1e-10).unwrap();
-                let iterated = iterated.direction(&setup.s, &anchor, damping, 1e-8).unwrap();
+                let direct = direct.direction(&setup.s, damping, 1e-10).unwrap();
+                let iterated = iterated.direction(&setup.s, damping, 1e-8).unwrap();
                 let error = relative(&iterated.ds, &direct.ds);
                 assert!(error < 1e-6, "{held:?}, {screening:?}, {damping}: {error:e}");
                 assert_eq!(direct.rigid.is_some(), held.is_empty());
@@ -187,13 +202,12 @@ fn conjugate_gradients_over_representatives_equal_the_dual() {
 #[test]
 fn published_woodbury_equals_dual_and_dense_hessian() {
     let setup = Setup::new(StrainSpace::PAPER);
-    let anchor = vec![StrainSpace::PAPER.from_logarithm(&Sym3::zeros()); setup.s.len()];
     let prior = setup.smoothness(None);
     setup.with(|at| {
-        let dense = setup.dense(at, &prior, &anchor, 0.0);
+        let dense = setup.dense(at, &prior, 0.0);
         let equations = NormalEquations::new(at, &setup.rows, None, &prior);
-        let dual = equations.direction(&setup.s, &anchor, 0.0, 1e-10).unwrap();
-        let woodbury = at.woodbury_direction(&setup.rows, &prior, &setup.s, &anchor, 1e-10);
+        let dual = equations.direction(&setup.s, 0.0, 1e-10).unwrap();
+        let woodbury = at.woodbury_direction(&setup.rows, &prior, &setup.s, 1e-10);
         assert!(relative(&dual.ds, &dense) < 1e-8);
         assert!(relative(&woodbury.ds, &dense) < 1e-6);
     });

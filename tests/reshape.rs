@@ -122,13 +122,18 @@ fn the_unit_does_not_matter() {
 fn template_and_person_may_be_moved_together() {
     let turn = nalgebra::Rotation3::new(Vec3::new(0.4, -0.8, 0.3)).into_inner();
     let placed = |turn: &Mat3, p: &Vec3| turn * p + Vec3::new(3.0, -2.0, 1.0);
+    // A thousandth of the box around the template would be another one after a turn.
+    let tolerance = 3e-3;
+    let options = Options { tolerance: Some(tolerance), ..Options::default() };
+    let solve = |problem: &Problem| reshape(problem, &options, &Run::new()).unwrap();
     let one = solve(&paired(1.0, |p| *p));
     let moved = solve(&paired(1.0, |p| placed(&turn, p)));
     let difference = largest_difference(
         &moved.surface_points,
         one.surface_points.iter().map(|p| placed(&turn, p)),
     );
-    assert!(difference < 1e-5, "{difference}");
+    // The gauge of a finite step hangs on the axes, so the ways differ; the ends do not.
+    assert!(difference < 0.03 * tolerance, "{difference}");
 }
 
 #[test]

@@ -2,18 +2,29 @@
 //!
 //! Default: B = L + kappa M with the P1 stiffness L and lumped mass M on the vertices, a consistent
 //! bi-Laplacian whose weight does not depend on the mesh. kappa = 1/length^2 screens: far from
-//! data the strain returns to the anchor within that length. kappa = 0 leaves constants free.
+//! data the strain returns to its mean within that length, and the mean has a price of its own
+//! ([`StrainMean`]). kappa = 0 leaves constants free.
 //!
 //! Published form: B = graph Laplacian of the tets, M = I ([W] Eqs. 4, 29), not consistent under
 //! refinement (docs/papers.md).
 
 use super::body::Body;
 use super::plastic::{Carrier, StrainSpace};
+use super::strain_mean::StrainMean;
 use crate::error::Result;
 use crate::material::IsotropicDensity;
 use crate::math::Sym3;
 use crate::math::symmetric3::MULTIPLICITY;
 use crate::solve::{BlockMatrix, BlockPattern, Factor, Real, RoundedFactor, SymbolicFactor};
+
+/// How a strain returns to its mean.
+#[derive(Clone, Copy, Debug)]
+pub struct Screening {
+    /// Within this distance, in the mesh's unit.
+    pub length: f64,
+    /// Prior standard deviation of the mean; 0: it is zero.
+    pub mean_sigma: f64,
+}
 
 /// The quadratic form 1/2 u^T R u and its inverse.
 pub struct StrainSmoothness {
@@ -22,23 +33,24 @@ pub struct StrainSmoothness {
     factor: Factor,
     mass: Vec<f64>,
     weight: f64,
-    singular: bool,
+    /// `None`: constants are free.
+    mean: Option<StrainMean>,
 }
 
 impl StrainSmoothness {
     /// For a field of `space` on the body.
     ///
     /// `weight`: dimensionless, multiplied by the body's length scale so that the form has no unit.
-    /// `screening_length`: in the mesh's unit; `None` leaves constant strains free.
+    /// `screening`: `None` leaves constant strains free.
     /// `tet_weight`: factor on each tet's volume (share of the tet inside the surface).
     pub fn new<M: IsotropicDensity>(
         body: &Body<M>,
         space: &StrainSpace,
         weight: f64,
-        screening_length: Option<f64>,
+        screening: Option<Screening>,
         tet_weight: &[f64],
     ) -> Result<Self> {
-        let kappa = screening_length.map_or(0.0, |length| 1.0 / (length * length));
+        let kappa = screening.map_or(0.0, |screening| screening.length.powi(-2));
         let (pattern, mut operator, mass) = match space.carrier {
             Carrier::Vertices => vertex_operator(body, tet_weight),
             Carrier::Tets => graph_operator(body),
@@ -52,12 +64,21 @@ impl StrainSmoothness {
             grounded.values[0] *= 2.0;
         }
         let factor = SymbolicFactor::new(&pattern)?.factor(&grounded)?;
-        Ok(Self { pattern, operator, factor, mass, weight, singular: kappa == 0.0 })
+        let mean = screening.map(|screening| {
+            let force = mass.iter().map(|m| weight * kappa * kappa * m).collect();
+            StrainMean::new(screening.mean_sigma, force)
+        });
+        Ok(Self { pattern, operator, factor, mass, weight, mean })
     }
 
     /// Whether constant strains cost nothing.
     pub fn is_singular(&self) -> bool {
-        self.singular
+        self.mean.is_none()
+    }
+
+    /// The mean, where it has a price.
+    pub fn mean(&self) -> Option<&StrainMean> {
+        self.mean.as_ref()
     }
 
     /// Number of entries of the operator's factor.
@@ -72,7 +93,7 @@ impl StrainSmoothness {
             let b = self.component(u, p);
             sum += MULTIPLICITY[p] * b.iter().zip(&self.mass).map(|(b, m)| b * b / m).sum::<f64>();
         }
-        0.5 * self.weight * sum
+        0.5 * self.weight * sum - self.mean.as_ref().map_or(0.0, |mean| mean.energy(u))
     }
 
     /// R u.
@@ -85,6 +106,9 @@ impl StrainSmoothness {
             for (out, value) in out.iter_mut().zip(column) {
                 out[p] = self.weight * MULTIPLICITY[p] * value;
             }
+        }
+        if let Some(mean) = &self.mean {
+            mean.take_from(&mut out, u);
         }
         out
     }
@@ -102,14 +126,16 @@ impl StrainSmoothness {
         // The transpose of the first half, for a sum of zero: the two differ in the constant that they
         // take out, and only together give the form that [`HalfInverse`] factors.
         self.factor.solve_rows(&mut flat, 6);
-        if self.singular {
+        if self.is_singular() {
             self.remove_constant(&mut flat, 6, |_| 1.0);
         }
-        let scaled = |row: &[f64]| Sym3::from_fn(|p, _| row[p] / (self.weight * MULTIPLICITY[p]));
+        let mean = self.mean.as_ref().map_or_else(Sym3::zeros, |mean| mean.answer(b));
+        let scaled =
+            |row: &[f64]| Sym3::from_fn(|p, _| row[p] / (self.weight * MULTIPLICITY[p]) + mean[p]);
         flat.chunks_exact(6).map(scaled).collect()
     }
 
-    /// The half of R^+, in the precision T.
+    /// The half of R^+ without the mean's part, in the precision T.
     pub fn half_inverse<T: Real>(&self) -> HalfInverse<'_, T> {
         HalfInverse { smoothness: self, factor: self.factor.rounded() }
     }
@@ -117,11 +143,11 @@ impl StrainSmoothness {
     /// B^+ b in place, `solve` being the grounded system: for a singular B, the mean is taken out before
     /// and the constant that the mass sees afterwards.
     fn between_constants<T: Real>(&self, b: &mut [T], width: usize, solve: impl Fn(&mut [T])) {
-        if self.singular {
+        if self.is_singular() {
             self.remove_constant(b, width, |_| 1.0);
         }
         solve(b);
-        if self.singular {
+        if self.is_singular() {
             self.remove_constant(b, width, |v| self.mass[v]);
         }
     }
@@ -146,14 +172,15 @@ impl StrainSmoothness {
     }
 }
 
-/// M^1/2 B^+, a factor of R^+.
+/// M^1/2 B^+, a factor of R^+ without the mean's part.
 pub struct HalfInverse<'a, T: Real> {
     smoothness: &'a StrainSmoothness,
     factor: RoundedFactor<T>,
 }
 
 impl<T: Real> HalfInverse<'_, T> {
-    /// H with H^T H = Z R^+ Z^T, for a row-major Z^T with 6 rows per carrier and `width` columns,
+    /// H with H^T H = Z R^+ Z^T but for the mean's part, for a row-major Z^T with 6 rows per carrier and
+    /// `width` columns,
     /// in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
     pub fn apply(&self, z: &mut [T], width: usize) {
         let Self { smoothness, factor } = self;

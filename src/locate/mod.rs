@@ -6,6 +6,7 @@ mod crossing;
 mod embed;
 mod nearest_points;
 mod solid;
+mod spread;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 mod triangle;
@@ -16,5 +17,6 @@ pub use crossing::{crossing_triangles, triangles_cross};
 pub use embed::{Embedding, tet_weights};
 pub use nearest_points::NearestPoints;
 pub use solid::Solid;
+pub use spread::spread_evenly;
 pub use triangle::closest_on_triangle;
 pub use winding::{WindingNumber, winding_number};

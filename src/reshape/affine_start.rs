@@ -11,15 +11,13 @@ use crate::math::symmetric3::{MULTIPLICITY, exp, exp_with_derivatives};
 use crate::math::{Mat3, Sym3, Vec3};
 
 use super::correspondences::Correspondences;
+use super::formulation::MEAN_SIGMA;
 use super::rows::Rows;
 use super::scene::Scene;
 use super::term::Weighting;
 
 /// Iterations; correspondences settle well before.
 const ITERATIONS: usize = 100;
-
-/// Prior standard deviation of the logarithmic strain.
-const STRAIN_SIGMA: f64 = 0.5;
 
 /// The fit ends when no vertex would move farther than this.
 const SETTLED: f64 = 1e-5;
@@ -84,7 +82,7 @@ fn step(data: &Rows, x: &[Vec3], rest: &[Vec3], rotation: &Mat3, s: &Sym3) -> SV
     }
     for p in 0..6 {
         let i = data.rows.len() + p;
-        let c = MULTIPLICITY[p].sqrt() / STRAIN_SIGMA;
+        let c = MULTIPLICITY[p].sqrt() / MEAN_SIGMA;
         jacobian[(i, p)] = c;
         residual[i] = c * s[p];
     }

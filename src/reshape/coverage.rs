@@ -6,11 +6,11 @@
 //! the organ nobody knows, so points beyond such an end are left alone.
 
 use super::rows::Rows;
+use super::slices::{HalfSpace, open_sides, slices};
 use super::term::{Place, Term};
 use crate::fem::MaterialPoint;
-use crate::locate::NearestPoints;
+use crate::locate::{NearestPoints, spread_evenly};
 use crate::math::{Vec3, median};
-use crate::mesh::bounding_box;
 
 /// Template points that are watched.
 const SAMPLES: usize = 300;
@@ -21,21 +21,23 @@ const NEIGHBOUR: usize = 4;
 /// So many of them are asked.
 const SPACING_SAMPLES: usize = 1000;
 
-/// Markers lie on slices when they have at most this many different coordinates per marker.
-const PLANES_PER_MARKER: f64 = 0.34;
-
 /// A slice at the end of a scan whose contour is this large beside the largest was cut there; an
 /// organ that ends by itself tapers off.
 const CUT: f64 = 0.6;
+
+/// Two ends of an outline farther apart than this multiple of the usual spacing are not joined.
+const GAP: f64 = 2.5;
 
 /// The markers' extent.
 pub struct Coverage {
     nearest: NearestPoints,
     markers: Vec<Vec3>,
+    /// By marker: the open side of its outline.
+    open: Vec<Option<HalfSpace>>,
     /// Usual distance between markers.
     spacing: f64,
-    /// Half-spaces (axis, sign, coordinate) beyond which the scan saw nothing.
-    unseen: Vec<(usize, f64, f64)>,
+    /// Where the scan ends inside the organ.
+    ends: Vec<HalfSpace>,
     samples: Vec<MaterialPoint>,
 }
 
@@ -44,18 +46,25 @@ impl Coverage {
     /// knows where the scan ends.
     pub fn of_slices(markers: &[Vec3], surface: &[(MaterialPoint, Vec3)]) -> Option<Self> {
         let (axis, planes) = slices(markers)?;
-        let nearest = NearestPoints::new(markers);
         let spacing = spacing(markers);
         let extents: Vec<f64> = planes.iter().map(|plane| diameter(plane)).collect();
         let largest = extents.iter().copied().fold(0.0, f64::max);
-        let mut unseen = Vec::new();
-        for (k, sign) in [(0, -1.0), (planes.len() - 1, 1.0)] {
-            if extents[k] > CUT * largest {
-                unseen.push((axis, sign, planes[k][0][axis]));
-            }
-        }
-        let samples = spread(surface, SAMPLES);
-        Some(Self { nearest, markers: markers.to_vec(), spacing, unseen, samples })
+        let end = |(k, sign): (usize, f64)| HalfSpace {
+            border: planes[k][0],
+            outward: sign * Vec3::ith(axis, 1.0),
+        };
+        let ends = [(0, -1.0), (planes.len() - 1, 1.0)]
+            .into_iter()
+            .filter(|&(k, _)| extents[k] > CUT * largest)
+            .map(end)
+            .collect();
+        let open = planes.iter().flat_map(|plane| open_sides(plane, axis, GAP * spacing)).collect();
+        let markers = planes.concat();
+        let nearest = NearestPoints::new(&markers);
+        let rest: Vec<Vec3> = surface.iter().map(|(_, rest)| *rest).collect();
+        let watched = spread_evenly(&rest, SAMPLES);
+        let samples = watched.into_iter().map(|v| surface[v].0.clone()).collect();
+        Some(Self { nearest, markers, open, spacing, ends, samples })
     }
 }
 
@@ -64,36 +73,16 @@ impl Term for Coverage {
     fn add_rows(&self, place: &Place, _: &[f64], rows: &mut Rows) {
         for point in &self.samples {
             let p = point.position(place.x);
-            if self.unseen.iter().any(|&(axis, sign, end)| sign * (p[axis] - end) > 0.0) {
-                continue;
-            }
-            if let Some((marker, distance)) = self.nearest.nearest(&p)
-                && distance > self.spacing
-            {
-                let direction = (p - self.markers[marker as usize]) / distance;
+            let Some((marker, distance)) = self.nearest.nearest(&p) else { continue };
+            let marker = marker as usize;
+            let mut unseen = self.ends.iter().chain(&self.open[marker]);
+            if distance > self.spacing && !unseen.any(|part| part.holds(&p)) {
+                let direction = (p - self.markers[marker]) / distance;
                 let residual = distance - self.spacing;
                 rows.add(point, [(direction, residual, self.spacing.powi(-2))]);
             }
         }
     }
-}
-
-/// The axis along which the markers lie on planes, and the markers of each plane in order.
-fn slices(markers: &[Vec3]) -> Option<(usize, Vec<Vec<Vec3>>)> {
-    let (low, high) = bounding_box(markers)?;
-    let resolution = 1e-4 * (high - low).norm();
-    (0..3)
-        .map(|axis| {
-            let mut sorted = markers.to_vec();
-            sorted.sort_by(|a, b| a[axis].total_cmp(&b[axis]));
-            let planes =
-                sorted.chunk_by(|a, b| b[axis] - a[axis] < resolution).map(<[Vec3]>::to_vec);
-            (axis, planes.collect::<Vec<_>>())
-        })
-        .min_by_key(|(_, planes)| planes.len())
-        .filter(|(_, planes)| {
-            planes.len() >= 3 && planes.len() as f64 <= PLANES_PER_MARKER * markers.len() as f64
-        })
 }
 
 fn diameter(points: &[Vec3]) -> f64 {
@@ -108,21 +97,4 @@ fn spacing(markers: &[Vec3]) -> f64 {
     };
     let every = markers.len().div_ceil(SPACING_SAMPLES);
     median(markers.iter().step_by(every).map(to_neighbour)).unwrap_or(0.0)
-}
-
-/// Points spread evenly over the surface: each next one is farthest from those before.
-fn spread(surface: &[(MaterialPoint, Vec3)], count: usize) -> Vec<MaterialPoint> {
-    let mut distance = vec![f64::INFINITY; surface.len()];
-    let mut chosen = Vec::new();
-    let mut next = 0;
-    while chosen.len() < count.min(surface.len()) {
-        chosen.push(surface[next].0.clone());
-        let from = surface[next].1;
-        for (d, (_, p)) in distance.iter_mut().zip(surface) {
-            *d = d.min((p - from).norm_squared());
-        }
-        let far = |&a: &usize, &b: &usize| distance[a].total_cmp(&distance[b]).then(b.cmp(&a));
-        next = (0..surface.len()).max_by(far).unwrap_or(0);
-    }
-    chosen
 }

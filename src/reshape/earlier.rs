@@ -25,7 +25,6 @@ pub struct Earlier {
     pub(super) numbering: Arc<Numbering>,
     pub(super) body: Arc<Tissue>,
     pub(super) smoothness: Arc<StrainSmoothness>,
-    pub(super) anchor: Arc<Vec<Sym3>>,
     pub(super) state: State,
     pub(super) attachment_gains: Vec<f64>,
 }

@@ -3,6 +3,10 @@
 use super::options::Options;
 use crate::fem::StrainSpace;
 
+/// Prior standard deviation of a free body's mean logarithmic strain. What holds a body says where it
+/// stays as it was: there the mean is zero.
+pub const MEAN_SIGMA: f64 = 0.5;
+
 /// How a step is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Steps {

@@ -2,7 +2,7 @@
 //!
 //! At an equilibrium (x, s) with rows r = sqrt(c) (A x + b) the step ds, xi minimises
 //!
-//!   1/2 u^T R u + lambda/2 ds^T R ds + 1/2 |Z ds + P xi + r|^2,   u = s - anchor + ds,
+//!   1/2 u^T R u + lambda/2 ds^T R ds + 1/2 |Z ds + P xi + r|^2,   u = s + ds,
 //!
 //! Z = sqrt(c) A J, K J = -G ([W] Eqs. 8-11). Instead of the indefinite Woodbury update of
 //! [W] Eq. 13 we solve the equivalent positive definite "smoothing spline" system
@@ -86,22 +86,15 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         self.representatives.is_some()
     }
 
-    /// The direction at strain `s` with the prior about `anchor`; its error, in the norm of the
-    /// equations, is at most about the share `reduction`.
-    pub fn direction(
-        &self,
-        s: &[Sym3],
-        anchor: &[Sym3],
-        damping: f64,
-        reduction: f64,
-    ) -> Result<Direction> {
-        let offset: Vec<Sym3> = s.iter().zip(anchor).map(|(s, a)| s - a).collect();
+    /// The direction at strain `s`; its error, in the norm of the equations, is at most about the share
+    /// `reduction`.
+    pub fn direction(&self, s: &[Sym3], damping: f64, reduction: f64) -> Result<Direction> {
         let share = 1.0 / (1.0 + damping);
         let saddle = self.system.factor(share)?;
         Ok(match self.representatives {
-            None => self.dual_direction(&saddle, &offset, share, reduction),
+            None => self.dual_direction(&saddle, s, share, reduction),
             Some(few) => {
-                let sum = self.iterated_direction(&saddle, few, &offset, share, reduction);
+                let sum = self.iterated_direction(&saddle, few, s, share, reduction);
                 Direction {
                     dx: self.at.shape_change(&sum.strain),
                     ds: sum.strain,
@@ -112,23 +105,22 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
     }
 
     /// The objective that the linearization promises for a step.
-    pub fn promise(&self, s: &[Sym3], anchor: &[Sym3], direction: &Direction) -> f64 {
-        let u: Vec<Sym3> =
-            s.iter().zip(anchor).zip(&direction.ds).map(|((s, a), ds)| s - a + ds).collect();
+    pub fn promise(&self, s: &[Sym3], direction: &Direction) -> f64 {
+        let u: Vec<Sym3> = s.iter().zip(&direction.ds).map(|(s, ds)| s + ds).collect();
         let change = self.measured(&direction.dx, direction.rigid.as_ref());
         let data = self.rows.residuals().into_iter().zip(change).map(|(r, z)| (r + z) * (r + z));
         self.smoothness.energy(&u) + 0.5 * data.sum::<f64>()
     }
 
-    /// In closed form: with v = ds + share (s - anchor), v = share R^+ Z^T a + N y.
+    /// In closed form: with v = ds + share s, v = share R^+ Z^T a + N y.
     fn dual_direction(
         &self,
         saddle: &SaddleFactor,
-        offset: &[Sym3],
+        s: &[Sym3],
         share: f64,
         reduction: f64,
     ) -> Direction {
-        let ds: Vec<Sym3> = offset.iter().map(|o| o * -share).collect();
+        let ds: Vec<Sym3> = s.iter().map(|s| s * -share).collect();
         let dx = self.at.shape_change(&ds);
         let rigid = self.at.body.is_free().then(Vector6::zeros);
         let mut sum = Direction { ds, dx, rigid };
@@ -166,12 +158,12 @@ impl<'a, M: IsotropicDensity> NormalEquations<'a, M> {
         &self,
         saddle: &SaddleFactor,
         few: &Rows,
-        offset: &[Sym3],
+        s: &[Sym3],
         share: f64,
         reduction: f64,
     ) -> Change {
         let residuals = self.rows.residuals();
-        let force = self.adjoint(&residuals).minus_of(&self.smoothness.apply(offset));
+        let force = self.adjoint(&residuals).minus_of(&self.smoothness.apply(s));
         let precondition = |r: &Change| self.precondition(saddle, few, r, share);
         let goal = Goal { reduction, max_steps: MAX_STEPS };
         conjugate_gradients(|p| self.multiply(p, share), precondition, force, goal).x

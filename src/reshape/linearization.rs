@@ -69,16 +69,22 @@ impl<'a, M: IsotropicDensity> Linearization<'a, M> {
     ) -> (Mat<f64>, Vec<Vector6<f64>>) {
         let (half, constants) = self.half_inverse(&self.single, rows, smoothness);
         let trace = half.squared_norm();
-        if trace <= ROUNDED_SYSTEM_TRACE {
-            return (half.gram_lower(trace), constants);
+        let (mut gram, constants) = if trace <= ROUNDED_SYSTEM_TRACE {
+            (half.gram_lower(trace), constants)
+        } else {
+            drop(half);
+            let stiffness = self.stiffness.rounded::<f64>();
+            let (half, constants) = self.half_inverse(&stiffness, rows, smoothness);
+            (half.gram_lower(trace), constants)
+        };
+        if let Some(mean) = smoothness.mean() {
+            mean.add_to_gram(&mut gram, &constants);
         }
-        drop(half);
-        let stiffness = self.stiffness.rounded::<f64>();
-        let (half, constants) = self.half_inverse(&stiffness, rows, smoothness);
-        (half.gram_lower(trace), constants)
+        (gram, constants)
     }
 
-    /// H with H^T H = Z R^+ Z^T in blocks of columns, one column per row of data, and the sums of
+    /// H with H^T H = Z R^+ Z^T, but for the mean's part, in blocks of columns, one column per row of data,
+    /// and the sums of
     /// Z^T over all carriers: Z times each constant strain. In the precision of `stiffness`.
     fn half_inverse<'m, T: Real>(
         &self,

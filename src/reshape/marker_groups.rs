@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use crate::locate::spread_evenly;
 use crate::math::Vec3;
 use crate::mesh::bounding_box;
 
@@ -31,13 +32,14 @@ pub fn marker_groups(markers: &[Vec3]) -> Option<Vec<MarkerGroup>> {
     })
 }
 
-/// Every second marker of an order in which neighbours follow each other, whatever their order in a
-/// file.
+/// Half of the markers, spread evenly among the others.
 pub fn every_second(markers: &[Vec3]) -> Vec<bool> {
     let mut chosen = vec![false; markers.len()];
-    let order = parts(markers, markers.len().next_power_of_two()).into_iter().flatten();
-    for marker in order.step_by(2) {
-        chosen[marker as usize] = true;
+    for part in parts(markers, markers.len().div_ceil(MOST_SINGLE).next_power_of_two()) {
+        let points: Vec<Vec3> = part.iter().map(|&m| markers[m as usize]).collect();
+        for k in spread_evenly(&points, part.len().div_ceil(2)) {
+            chosen[part[k] as usize] = true;
+        }
     }
     chosen
 }
@@ -83,25 +85,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_second_of_a_line_is_chosen_whatever_the_order() {
-        let at = |i: u32| Vec3::new(f64::from(i), 0.0, 0.0);
-        let along: Vec<Vec3> = (0..7).map(at).collect();
-        assert_eq!(every_second(&along), [true, false, true, false, true, false, true]);
-        let mixed = [5, 2, 6, 0, 4, 1, 3];
-        let chosen = every_second(&mixed.map(at));
-        assert_eq!(chosen, mixed.map(|i| i % 2 == 0));
-        assert!(every_second(&[]).is_empty());
-    }
-
-    #[test]
-    fn rounding_does_not_change_which_markers_of_slices_are_chosen() {
-        let grid = |i: u32| Vec3::new(f64::from(i % 9), f64::from(i / 9 % 5), f64::from(i / 45));
-        let exact: Vec<Vec3> = (0..135).map(grid).collect();
-        let rounded = |(i, p): (usize, &Vec3)| {
-            p + Vec3::new((i as f64).sin(), (i as f64).cos(), (3.0 * i as f64).sin()) * 1e-7
-        };
-        let rounded: Vec<Vec3> = exact.iter().enumerate().map(rounded).collect();
-        assert_eq!(every_second(&rounded), every_second(&exact));
+    fn half_of_the_markers_hold_for_their_neighbours_also_when_there_are_many() {
+        for count in [0, 7, 3000] {
+            let line: Vec<Vec3> = (0..count).map(|i| Vec3::new(f64::from(i), 0.0, 0.0)).collect();
+            let chosen = every_second(&line);
+            let half = chosen.iter().filter(|chosen| **chosen).count();
+            assert!(half.abs_diff(line.len().div_ceil(2)) <= 2, "{half} of {count}");
+            assert!(chosen.windows(3).all(|three| three.contains(&true)));
+        }
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod reshaped;
 mod rows;
 mod scene;
 mod schedule;
+mod slices;
 mod solver;
 mod step;
 mod summary;

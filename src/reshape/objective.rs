@@ -4,14 +4,14 @@
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fem::{PlasticState, StrainSmoothness};
+use crate::fem::{PlasticState, Screening, StrainSmoothness};
 use crate::math::{Mat3, Sym3};
 
 use super::affine_start::affine_start;
 use super::correspondences::Correspondences;
 use super::data_terms::DataEvaluation;
 use super::earlier::{Earlier, State};
-use super::formulation::Formulation;
+use super::formulation::{Formulation, MEAN_SIGMA};
 use super::options::Options;
 use super::problem::Problem;
 use super::scene::Scene;
@@ -27,8 +27,6 @@ pub struct Objective<'a> {
     pub options: &'a Options,
     pub formulation: Formulation,
     pub smoothness: Arc<StrainSmoothness>,
-    /// The strain that costs nothing.
-    pub anchor: Arc<Vec<Sym3>>,
 }
 
 /// A state and where the markers touch it.
@@ -69,20 +67,17 @@ impl<'a> Objective<'a> {
         let floor = |fraction: &f64| fraction.max(SMALLEST_TET_WEIGHT);
         let tet_weight: Vec<f64> =
             scene.numbering.tets(&problem.inside_fraction).iter().map(floor).collect();
+        let screens = formulation.screened && screening.is_finite();
+        let mean_sigma = if scene.body.is_free() { MEAN_SIGMA } else { 0.0 };
+        let screening = Screening { length: screening, mean_sigma };
         let smoothness = StrainSmoothness::new(
             &scene.body,
             &space,
             formulation.smoothness,
-            (formulation.screened && screening.is_finite()).then_some(screening),
+            screens.then_some(screening),
             &tet_weight,
         )?;
-        let objective = Self {
-            scene,
-            options,
-            formulation,
-            smoothness: smoothness.into(),
-            anchor: s.clone().into(),
-        };
+        let objective = Self { scene, options, formulation, smoothness: smoothness.into() };
         Ok((objective, State { s, x }))
     }
 
@@ -98,7 +93,6 @@ impl<'a> Objective<'a> {
             options,
             formulation: Formulation::of(options),
             smoothness: earlier.smoothness.clone(),
-            anchor: earlier.anchor.clone(),
         };
         Ok((objective, earlier.state.clone()))
     }
@@ -123,8 +117,7 @@ impl<'a> Objective<'a> {
 
     /// Smoothness of a strain.
     pub fn prior(&self, s: &[Sym3]) -> f64 {
-        let u: Vec<Sym3> = s.iter().zip(self.anchor.iter()).map(|(s, a)| s - a).collect();
-        self.smoothness.energy(&u)
+        self.smoothness.energy(s)
     }
 
     pub fn plastic(&self, s: &[Sym3]) -> Vec<PlasticState> {

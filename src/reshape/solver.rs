@@ -232,7 +232,7 @@ impl<'a> Solver<'a> {
 
     /// The result, in the template's units and order.
     fn finish(self, ended: Ended, problem: &Problem) -> Reshaped {
-        let Objective { scene, options, smoothness, anchor, .. } = &self.objective;
+        let Objective { scene, options, smoothness, .. } = &self.objective;
         let state = ended.at.shape.state;
         let tet_points = scene.outward(&state.x);
         let plastic_strain = self.objective.plastic_strain(&state.s);
@@ -255,7 +255,6 @@ impl<'a> Solver<'a> {
                 numbering: scene.numbering.clone(),
                 body: scene.body.clone(),
                 smoothness: smoothness.clone(),
-                anchor: anchor.clone(),
                 state,
                 attachment_gains: scene.data.attachments.gains.clone(),
             }),

@@ -91,14 +91,8 @@ impl Objective<'_> {
     ) -> Search<'a> {
         let (rows, smoothness) = (&at.data.rows, &self.smoothness);
         if !self.scene.body.is_free() && self.formulation.held_steps == Steps::Halved {
-            let (s, anchor) = (&at.shape.state.s, &self.anchor);
-            Search::Halving(linearized.woodbury_direction(
-                rows,
-                smoothness,
-                s,
-                anchor,
-                DIRECTION_REDUCTION,
-            ))
+            let s = &at.shape.state.s;
+            Search::Halving(linearized.woodbury_direction(rows, smoothness, s, DIRECTION_REDUCTION))
         } else {
             Search::Damping(NormalEquations::new(linearized, rows, few, smoothness))
         }
@@ -123,7 +117,7 @@ impl Objective<'_> {
                 let used = damping.pair(round)[k];
                 let reduction =
                     if equations.is_iterated() { ITERATED_REDUCTION } else { DIRECTION_REDUCTION };
-                (equations.direction(s, &self.anchor, used, reduction)?, 1.0, used)
+                (equations.direction(s, used, reduction)?, 1.0, used)
             }
         };
         let eta = share * self.largest_step(s, &direction);
@@ -133,7 +127,7 @@ impl Objective<'_> {
         trial.candidate = trial.candidate.filter(is_lower);
         let next_damping = match (search, &trial.candidate) {
             (Search::Damping(equations), Some(candidate)) => {
-                let promise = equations.promise(s, &self.anchor, &direction);
+                let promise = equations.promise(s, &direction);
                 let promised = (before - promise) * eta;
                 Damping::after(used, (before - candidate.majorizer) / promised)
             }

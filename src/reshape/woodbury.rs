@@ -27,16 +27,14 @@ impl<M: IsotropicDensity> Linearization<'_, M> {
         rows: &Rows,
         smoothness: &StrainSmoothness,
         s: &[Sym3],
-        anchor: &[Sym3],
         reduction: f64,
     ) -> Direction {
         let (gram, constants) = self.prior_gram(rows, smoothness);
         let capacity = capacity(&gram, &constants, s.len());
         let solver = Woodbury { at: self, rows, smoothness, capacity: capacity.partial_piv_lu() };
 
-        // The negative gradient R (s - anchor) + Z^T r.
-        let offset: Vec<Sym3> = s.iter().zip(anchor).map(|(s, a)| s - a).collect();
-        let mut force = smoothness.apply(&offset);
+        // The negative gradient R s + Z^T r.
+        let mut force = smoothness.apply(s);
         for (f, z) in force.iter_mut().zip(self.transpose_multiply(rows, &rows.residuals())) {
             *f = -(*f + z);
         }
