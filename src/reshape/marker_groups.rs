@@ -33,7 +33,7 @@ pub fn marker_groups(markers: &[Vec3]) -> Option<Vec<MarkerGroup>> {
 }
 
 /// Half of the markers, spread evenly among the others.
-pub fn every_second(markers: &[Vec3]) -> Vec<bool> {
+pub fn half_spread_evenly(markers: &[Vec3]) -> Vec<bool> {
     let mut chosen = vec![false; markers.len()];
     for part in parts(markers, markers.len().div_ceil(MOST_SINGLE).next_power_of_two()) {
         let points: Vec<Vec3> = part.iter().map(|&m| markers[m as usize]).collect();
@@ -88,7 +88,7 @@ mod tests {
     fn half_of_the_markers_hold_for_their_neighbours_also_when_there_are_many() {
         for count in [0, 7, 3000] {
             let line: Vec<Vec3> = (0..count).map(|i| Vec3::new(f64::from(i), 0.0, 0.0)).collect();
-            let chosen = every_second(&line);
+            let chosen = half_spread_evenly(&line);
             let half = chosen.iter().filter(|chosen| **chosen).count();
             assert!(half.abs_diff(line.len().div_ceil(2)) <= 2, "{half} of {count}");
             assert!(chosen.windows(3).all(|three| three.contains(&true)));

@@ -4,7 +4,7 @@ use crate::math::Vec3;
 use crate::math::robust::{huber, robust_deviation};
 
 use super::correspondences::Correspondences;
-use super::marker_groups::{MarkerGroup, every_second, marker_groups};
+use super::marker_groups::{MarkerGroup, half_spread_evenly, marker_groups};
 use super::rows::Rows;
 use super::term::{OUTLIER, Place, Term, Weighed, Weighting};
 
@@ -37,7 +37,7 @@ pub struct Markers {
 impl Markers {
     /// Of positions with weights and noise, the latter in units of `sigma`.
     pub fn new(positions: Vec<Vec3>, weights: Vec<f64>, noise: Vec<f64>, sigma: f64) -> Self {
-        let (holds, groups) = (every_second(&positions), marker_groups(&positions));
+        let (holds, groups) = (half_spread_evenly(&positions), marker_groups(&positions));
         Self { positions, weights, noise, sigma, holds, groups }
     }
 
