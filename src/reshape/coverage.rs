@@ -3,7 +3,7 @@
 //! Markers say where the surface is, not where it is not: a free part of the template may stick
 //! out without any marker objecting. The reverse term pulls template points that are farther from
 //! every marker than markers are from each other back to that distance. Where a scan ends inside
-//! the organ nobody knows, so points beyond such an end are left alone.
+//! the organ, or an outline was left open, nobody knows; points beyond are left alone.
 
 use super::rows::Rows;
 use super::slices::{HalfSpace, open_sides, slices};

@@ -22,7 +22,8 @@ pub struct Options {
     /// Attachments are met whatever the markers say, instead of being weighed against them.
     pub hard_attachments: bool,
     /// Template points far from every marker are pulled back, except beyond the ends of a scan that
-    /// cuts the organ. Acts only for markers that lie on parallel axis-aligned slices.
+    /// cuts the organ and of an outline that was left open. Acts only for markers that lie on parallel
+    /// axis-aligned slices.
     pub reverse_term: bool,
     /// The published formulation: a symmetric Fp per tet, smoothed by the graph Laplacian, stepped
     /// by the Woodbury update. For comparison; the default is more accurate and takes less time.

@@ -110,8 +110,7 @@ fn shortest_tree(points: &[Vec3]) -> Vec<(usize, usize)> {
     links
 }
 
-/// Lengths of the ways along the links; infinite where there is none. Links are in the order in which
-/// the tree grew.
+/// Lengths of the ways along the links; infinite where there is none.
 fn path_lengths(points: &[Vec3], links: &[(usize, usize)], start: usize) -> Vec<f64> {
     let mut lengths = vec![f64::INFINITY; points.len()];
     lengths[start] = 0.0;
