@@ -132,7 +132,7 @@ fn template_and_person_may_be_moved_together() {
         &moved.surface_points,
         one.surface_points.iter().map(|p| placed(&turn, p)),
     );
-    // The gauge of a finite step hangs on the axes, so the ways differ; the ends do not.
+    // The gauge of a finite step depends on the axes, so steps differ; the result does not.
     assert!(difference < 0.03 * tolerance, "{difference}");
 }
 

@@ -180,8 +180,7 @@ pub struct HalfInverse<'a, T: Real> {
 
 impl<T: Real> HalfInverse<'_, T> {
     /// H with H^T H = Z R^+ Z^T but for the mean's part, for a row-major Z^T with 6 rows per carrier and
-    /// `width` columns,
-    /// in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
+    /// `width` columns, in place: H = (weight multiplicity)^-1/2 M^1/2 B^+ Z^T.
     pub fn apply(&self, z: &mut [T], width: usize) {
         let Self { smoothness, factor } = self;
         smoothness.between_constants(z, 6 * width, |z| factor.solve_rows(z, 6 * width));

@@ -17,6 +17,6 @@ pub use crossing::{crossing_triangles, triangles_cross};
 pub use embed::{Embedding, tet_weights};
 pub use nearest_points::NearestPoints;
 pub use solid::Solid;
-pub use spread::spread_evenly;
+pub use spread::{SAME, coordinate_order, spread_evenly};
 pub use triangle::closest_on_triangle;
 pub use winding::{WindingNumber, winding_number};

@@ -1,19 +1,24 @@
 //! A few of many points, spread evenly.
 
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use crate::math::Vec3;
 use crate::mesh::bounding_box;
 
-/// Lengths that differ by a smaller share are taken for the same. Irrational, so that points on a regular
-/// grid do not lie on the border of two levels.
-const SAME: f64 = PI * 1e-4;
+/// Lengths, and their squares, that differ by a smaller share are taken for the same. Irrational, so that
+/// points on a regular grid do not lie on the border of two levels.
+pub const SAME: f64 = PI * 1e-4;
 
 /// `count` of the points, or all: first the one farthest from their middle, then always the one farthest
 /// from those chosen. Of several equally far ones the one with the least coordinates, so that neither
 /// the points' order nor rounding changes which are chosen.
 pub fn spread_evenly(points: &[Vec3], count: usize) -> Vec<usize> {
-    let rank = ranks(points);
+    let extent = bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm());
+    let mut rank = vec![0; points.len()];
+    for (place, i) in coordinate_order(points, 0, SAME * extent).into_iter().enumerate() {
+        rank[i] = place;
+    }
     let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let mut distance: Vec<f64> = points.iter().map(|p| (p - middle).norm_squared()).collect();
     let mut chosen = Vec::new();
@@ -34,19 +39,18 @@ pub fn spread_evenly(points: &[Vec3], count: usize) -> Vec<usize> {
     chosen
 }
 
-/// Of each point in the order of coordinates, x first.
-fn ranks(points: &[Vec3]) -> Vec<usize> {
-    let extent = bounding_box(points).map_or(0.0, |(low, high)| (high - low).norm());
-    let level = SAME * extent;
+/// The points in the order of their coordinates, that of `axis` first. Coordinates on one level, a multiple
+/// of `level`, are equal, so that rounding does not part the points of one slice; the exact ones decide
+/// between points that are level in all three.
+pub fn coordinate_order(points: &[Vec3], axis: usize, level: f64) -> Vec<usize> {
+    let along = |i: usize| [0, 1, 2].map(|k| points[i][(axis + k) % 3]);
     let mut order: Vec<usize> = (0..points.len()).collect();
-    let exact = |i: usize| points[i].iter().copied().collect::<Vec<f64>>();
-    order.sort_by(|&a, &b| exact(a).partial_cmp(&exact(b)).unwrap_or(std::cmp::Ordering::Equal));
-    order.sort_by_cached_key(|&i| points[i].map(|c| (c / level).round() as i64).data.0);
-    let mut rank = vec![0; points.len()];
-    for (place, i) in order.into_iter().enumerate() {
-        rank[i] = place;
-    }
-    rank
+    order.sort_by(|&a, &b| {
+        let pairs = along(a).into_iter().zip(along(b));
+        pairs.map(|(a, b)| a.total_cmp(&b)).fold(Ordering::Equal, Ordering::then)
+    });
+    order.sort_by_cached_key(|&i| along(i).map(|c| (c / level).round() as i64));
+    order
 }
 
 #[cfg(test)]

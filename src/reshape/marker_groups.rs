@@ -1,8 +1,6 @@
 //! Many markers in groups of neighbours, one of which can stand for all.
 
-use std::cmp::Ordering;
-
-use crate::locate::spread_evenly;
+use crate::locate::{SAME, coordinate_order, spread_evenly};
 use crate::math::Vec3;
 use crate::mesh::bounding_box;
 
@@ -11,10 +9,6 @@ const MOST_SINGLE: usize = 1000;
 
 /// Groups that they form: a power of two.
 const GROUPS: usize = 512;
-
-/// Coordinates and extents that differ by less than this share of the extent are taken for the same.
-/// Irrational, so that markers on a regular grid do not lie on the border of two levels.
-const SAME_PLACE: f64 = std::f64::consts::PI * 1e-4;
 
 /// Markers that lie close together.
 #[derive(Clone, Debug)]
@@ -48,26 +42,21 @@ pub fn half_spread_evenly(markers: &[Vec3]) -> Vec<bool> {
 fn parts(markers: &[Vec3], count: usize) -> Vec<Vec<u32>> {
     let mut parts: Vec<Vec<u32>> = vec![(0..markers.len() as u32).collect()];
     while parts.len() < count {
-        parts = parts.into_iter().flat_map(|part| halves(part, markers)).collect();
+        parts = parts.iter().flat_map(|part| halves(part, markers)).collect();
     }
     parts
 }
 
 /// The two sides of the median across the longest extent.
-fn halves(mut members: Vec<u32>, markers: &[Vec3]) -> [Vec<u32>; 2] {
+fn halves(members: &[u32], markers: &[Vec3]) -> [Vec<u32>; 2] {
     let points: Vec<Vec3> = members.iter().map(|&m| markers[m as usize]).collect();
     let extent = bounding_box(&points).map_or_else(Vec3::zeros, |(low, high)| high - low);
     let longest = extent.max();
-    let is_longest = |k: &usize| extent[*k] >= longest * (1.0 - SAME_PLACE);
+    let is_longest = |k: &usize| extent[*k] >= longest * (1.0 - SAME);
     let axis = (0..3).find(is_longest).unwrap_or(0);
-    let along = |m: u32| [0, 1, 2].map(|k| markers[m as usize][(axis + k) % 3]);
-    members.sort_by(|&a, &b| {
-        let pairs = along(a).into_iter().zip(along(b));
-        pairs.map(|(a, b)| a.total_cmp(&b)).fold(Ordering::Equal, Ordering::then)
-    });
     // Markers of one slice are level with each other, whatever the rounding in their file.
-    let level = SAME_PLACE * longest;
-    members.sort_by_cached_key(|&m| along(m).map(|c| (c / level).round() as i64));
+    let order = coordinate_order(&points, axis, SAME * longest);
+    let mut members: Vec<u32> = order.into_iter().map(|i| members[i]).collect();
     let upper = members.split_off(members.len() / 2);
     [members, upper]
 }

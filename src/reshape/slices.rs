@@ -1,6 +1,7 @@
 //! Markers on slices: their planes, and where an outline was left open.
 
 use crate::math::Vec3;
+use crate::mesh::adjacency::{DisjointSets, Lists, vertex_neighbours};
 use crate::mesh::bounding_box;
 
 /// Markers lie on slices when they have at most this many different coordinates per marker.
@@ -41,32 +42,33 @@ pub fn slices(markers: &[Vec3]) -> Option<(usize, Vec<Vec<Vec3>>)> {
 /// markers, without links longer than `gap`, follows each outline, and where it is closed the tree's ends
 /// meet each other.
 pub fn open_sides(slice: &[Vec3], axis: usize, gap: f64) -> Vec<Option<HalfSpace>> {
-    let apart = |a: usize, b: usize| (slice[a] - slice[b]).norm();
+    let apart = |a: u32, b: u32| (slice[a as usize] - slice[b as usize]).norm();
+    let all = 0..slice.len() as u32;
     let mut links = shortest_tree(slice);
-    links.retain(|&(a, b)| apart(a, b) <= gap);
-    let is_end = |i: &usize| links.iter().filter(|(a, b)| a == i || b == i).count() < 2;
-    let ends: Vec<usize> = (0..slice.len()).filter(is_end).collect();
-    let is_loose = |i: usize| ends.iter().all(|&end| end == i || apart(end, i) > gap);
+    links.retain(|&[a, b]| apart(a, b) <= gap);
+    let tree = vertex_neighbours(slice.len(), &links);
+    let ends: Vec<u32> = all.clone().filter(|&i| tree.of(i as usize).len() < 2).collect();
+    let is_loose = |i: u32| ends.iter().all(|&end| end == i || apart(end, i) > gap);
+    let mut sets = DisjointSets::new(slice.len());
+    for &[a, b] in &links {
+        sets.join(a, b);
+    }
+    let outline_of: Vec<u32> = all.clone().map(|i| sets.root(i)).collect();
     let mut sides = vec![None; slice.len()];
-    let mut done = vec![false; slice.len()];
-    for start in 0..slice.len() {
-        if done[start] {
-            continue;
-        }
-        let ways = path_lengths(slice, &links, start);
-        let outline: Vec<usize> = (0..slice.len()).filter(|&i| ways[i].is_finite()).collect();
-        let farthest = |ways: &[f64]| {
-            outline.iter().copied().max_by(|&a, &b| ways[a].total_cmp(&ways[b])).unwrap_or(start)
+    for first in all.clone().filter(|&i| outline_of[i as usize] == i) {
+        let outline: Vec<u32> = all.clone().filter(|&i| outline_of[i as usize] == first).collect();
+        let farthest = |from: u32| {
+            let lengths = path_lengths(slice, &tree, from);
+            let length = |i: u32| lengths[i as usize];
+            outline.iter().copied().max_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap_or(from)
         };
-        let one = farthest(&ways);
-        let other = farthest(&path_lengths(slice, &links, one));
-        let side = if is_loose(one) && is_loose(other) {
-            side_between(slice, &outline, axis, [one, other], gap)
-        } else {
-            None
-        };
-        for i in outline {
-            (sides[i], done[i]) = (side, true);
+        let one = farthest(first);
+        let other = farthest(one);
+        if is_loose(one) && is_loose(other) {
+            let side = side_between(slice, &outline, axis, [one, other], gap);
+            for &i in &outline {
+                sides[i as usize] = side;
+            }
         }
     }
     sides
@@ -76,14 +78,14 @@ pub fn open_sides(slice: &[Vec3], axis: usize, gap: f64) -> Vec<Option<HalfSpace
 /// and fro between its two sides; there, markers lie between the ends.
 fn side_between(
     slice: &[Vec3],
-    outline: &[usize],
+    outline: &[u32],
     axis: usize,
-    [one, other]: [usize; 2],
+    [one, other]: [u32; 2],
     gap: f64,
 ) -> Option<HalfSpace> {
-    let (a, b) = (slice[one], slice[other]);
+    let (a, b) = (slice[one as usize], slice[other as usize]);
     let between = 0.5 * (a + b);
-    let middle = outline.iter().map(|&i| slice[i]).sum::<Vec3>() / outline.len() as f64;
+    let middle = outline.iter().map(|&i| slice[i as usize]).sum::<Vec3>() / outline.len() as f64;
     let across = (b - a).cross(&Vec3::ith(axis, 1.0));
     let outward = across * (between - middle).dot(&across).signum();
     let is_near = |p: &Vec3| (p - between).norm() < 0.25 * gap;
@@ -91,7 +93,7 @@ fn side_between(
 }
 
 /// Links of the tree through all points whose total length is least.
-fn shortest_tree(points: &[Vec3]) -> Vec<(usize, usize)> {
+fn shortest_tree(points: &[Vec3]) -> Vec<[u32; 2]> {
     let mut left: Vec<usize> = (1..points.len()).collect();
     let mut nearest = vec![0; points.len()];
     let mut links = Vec::new();
@@ -100,7 +102,7 @@ fn shortest_tree(points: &[Vec3]) -> Vec<(usize, usize)> {
         .min_by(|&a, &b| length(left[a], &nearest).total_cmp(&length(left[b], &nearest)))
     {
         let new = left.swap_remove(place);
-        links.push((new, nearest[new]));
+        links.push([new as u32, nearest[new] as u32]);
         for &i in &left {
             if (points[i] - points[new]).norm_squared() < length(i, &nearest) {
                 nearest[i] = new;
@@ -110,16 +112,15 @@ fn shortest_tree(points: &[Vec3]) -> Vec<(usize, usize)> {
     links
 }
 
-/// Lengths of the ways along the links; infinite where there is none.
-fn path_lengths(points: &[Vec3], links: &[(usize, usize)], start: usize) -> Vec<f64> {
+/// Lengths of the paths along the tree; infinite where there is none.
+fn path_lengths(points: &[Vec3], tree: &Lists, start: u32) -> Vec<f64> {
     let mut lengths = vec![f64::INFINITY; points.len()];
-    lengths[start] = 0.0;
-    let mut waiting = vec![start];
+    lengths[start as usize] = 0.0;
+    let mut waiting = vec![start as usize];
     while let Some(at) = waiting.pop() {
-        for &(a, b) in links.iter().filter(|&&(a, b)| a == at || b == at) {
-            let next = if a == at { b } else { a };
+        for next in tree.of(at).iter().map(|&next| next as usize) {
             if lengths[next].is_infinite() {
-                lengths[next] = lengths[at] + (points[a] - points[b]).norm();
+                lengths[next] = lengths[at] + (points[at] - points[next]).norm();
                 waiting.push(next);
             }
         }
