@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the add-on for this machine's system, around the wheel that python/build_wheel.py made.
+"""Packs the add-on for this machine's system, around the wheel that python/build.sh made, and beside it.
 
-    python3 blender_addon/pack.py FOLDER_OF_THE_WHEEL
+    python3 blender_addon/pack.py WHEEL
 """
 
 import sys
@@ -10,10 +10,8 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "python"))
-
-from build_wheel import add, version, wheel_name  # noqa: E402
-
+# Times in the zip are fixed, so that the same input gives the same file.
+STAMP = (2020, 1, 1, 0, 0, 0)
 # Blender's names for platforms.
 PLATFORMS = {
     "linux-x86_64": "linux-x64", "win-amd64": "windows-x64", "win-arm64": "windows-arm64",
@@ -36,17 +34,24 @@ def sources():
             yield name, path.read_bytes()
 
 
-def manifest(text):
+def add(archive, name, data):
+    entry = zipfile.ZipInfo(name, STAMP)
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    entry.external_attr = 0o644 << 16
+    archive.writestr(entry, data)
+
+
+def manifest(text, wheel):
     lines = text.rstrip().splitlines()
     at = lines.index("[permissions]")
-    lines[at:at] = [f'platforms = ["{platform()}"]', f'wheels = ["./wheels/{wheel_name()}"]', ""]
+    lines[at:at] = [f'platforms = ["{platform()}"]', f'wheels = ["./wheels/{wheel.name}"]', ""]
     return "\n".join(lines) + "\n"
 
 
 def pack_extension(wheel, target):
     with zipfile.ZipFile(target, "w") as archive:
         for name, data in sources():
-            add(archive, name, manifest(data.decode()).encode() if name == "blender_manifest.toml" else data)
+            add(archive, name, manifest(data.decode(), wheel).encode() if name == "blender_manifest.toml" else data)
         add(archive, f"wheels/{wheel.name}", wheel.read_bytes())
 
 
@@ -56,18 +61,16 @@ def pack_legacy(wheel, target):
         for name, data in sources():
             if name != "blender_manifest.toml":
                 add(archive, f"moulage_blender/{name}", data)
-        for name in package.namelist():
+        for name in (entry.filename for entry in package.infolist() if not entry.is_dir()):
             add(archive, f"moulage_blender/native/{name}", package.read(name))
 
 
-def main(folder):
-    wheel = folder / wheel_name()
-    if not wheel.is_file():
-        sys.exit(f"{wheel} is not there; run blender_addon/build.sh")
-    name = f"moulage-{version()}-{platform()}"
-    for pack, target in ((pack_extension, f"{name}.zip"), (pack_legacy, f"{name}-legacy.zip")):
-        pack(wheel, folder / target)
-        print(folder / target)
+def main(wheel):
+    version = wheel.name.split("-")[1]
+    for pack, ending in ((pack_extension, ""), (pack_legacy, "-legacy")):
+        target = wheel.with_name(f"moulage-{version}-{platform()}{ending}.zip")
+        pack(wheel, target)
+        print(target)
 
 
 if __name__ == "__main__":

@@ -15,8 +15,8 @@ declare -A packages=(
     [c]="g++ cmake pkg-config valgrind binutils tetgen"
     [images]="python3-venv"
     [workflow]="python3-venv"
-    [python]="python3-venv binutils"
-    [blender]="python3-venv binutils tetgen blender python3-numpy xvfb xauth imagemagick
+    [python]="python3-venv"
+    [blender]="python3-venv tetgen blender python3-numpy xvfb xauth imagemagick
         libgl1-mesa-dri libegl1 libgl1 libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6"
     [meshlab]="python3-venv g++ make cmake binutils xz-utils ca-certificates
         libqt5opengl5-dev libglew-dev libeigen3-dev libgl1 libopengl0"

@@ -6,7 +6,7 @@ built=$(tests/build.sh)
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 python3 python/make_interface.py --check
-python3 python/build_wheel.py "$out" "$built"
+python/build.sh "$out" "$built"
 python3 -m venv "$out/venv"
 "$out/venv/bin/pip" install --quiet --no-cache-dir "$out"/*.whl
 "$out/venv/bin/python" tests/python/test_reach.py
