@@ -86,17 +86,15 @@ def _fixed(template):
 
 
 def _options(context, data):
-    usual = moulage().default_options()
     own = preferences.get(context)
     options = {
         "tolerance": data.tolerance, "landmark_tolerance": data.landmark_tolerance,
         "attachment_tolerance": data.attachment_tolerance,
-        "hard_attachments": int(data.hard_attachments), "reverse_term": int(data.reverse_term),
-        "smoothness": usual["smoothness"], "thread_count": own.threads if own else 0,
+        "hard_attachments": data.hard_attachments, "reverse_term": data.reverse_term,
+        "smoothness": moulage().ReshapingOptions().smoothness * data.smoothness,
+        "thread_count": own.threads if own else 0,
     }
-    if data.smoothness != 1.0:
-        options["smoothness"] *= data.smoothness
     if data.max_iterations > 0:
         options["max_iterations"] = data.max_iterations
-    return options
+    return moulage().ReshapingOptions(**options)
 

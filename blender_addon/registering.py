@@ -60,10 +60,10 @@ class Registering(Running):
                 problem = library.Registration(native)
                 self._aim(context, library, problem, armature)
                 self.tissues = skeleton_files.soft_tissues(armature, scale)
-                self._run = problem.start(
-                    align=int(not data.near), as_is=int(data.as_is), limits=data.limits,
+                self._run = problem.start(library.RegistrationOptions(
+                    align=not data.near, as_is=data.as_is, limits=data.limits,
                     max_iterations=data.max_iterations, thread_count=own.threads if own else 0,
-                )
+                ))
         except Wrong:
             self.close()
             raise

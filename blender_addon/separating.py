@@ -68,7 +68,7 @@ class Separating(Running):
                 apart.set_markers(number, body.markers)
             for name, points, triangles in self.bones:
                 apart.add_obstacle(name, library.TriMesh(points, triangles))
-            self._run = apart.start(**self._options)
+            self._run = apart.start(library.SeparationOptions(**self._options))
 
     def tick(self):
         """Goes on; False when it has ended."""

@@ -79,9 +79,9 @@ class Solve(Running):
         reshaping.set_fixed(inputs.fixed)
         self._warnings = reshaping.check()
         if self._earlier is None:
-            self._run = reshaping.start(**inputs.options)
+            self._run = reshaping.start(inputs.options)
         else:
-            self._run = reshaping.start_again(self._earlier, **inputs.options)
+            self._run = reshaping.start_again(self._earlier, inputs.options)
 
     def tick(self):
         """Goes on; False when it has ended."""

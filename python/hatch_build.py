@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sysconfig
 from pathlib import Path
+from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
@@ -24,8 +25,8 @@ def built(root: Path) -> Path:
     return next(Path(name) for name in files if Path(name).suffix in (".so", ".dylib", ".dll") and "moulage" in Path(name).name)
 
 
-class LibraryHook(BuildHookInterface):
-    def initialize(self, version: str, build_data: dict) -> None:
+class LibraryHook(BuildHookInterface):  # type: ignore[type-arg,unused-ignore]
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         # An editable installation takes the library from Cargo's folder.
         if version == "editable":
             return

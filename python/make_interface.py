@@ -21,6 +21,7 @@ edit. Handles and arrays travel as plain addresses; `native` makes them."""
 from ctypes import (
     POINTER, Structure, c_char, c_char_p, c_double, c_float, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p,
 )
+from typing import Any
 
 from .versioned import Versioned
 '''
@@ -95,7 +96,7 @@ def wrapped(name, parts):
 
 
 def table(name, entries):
-    return [f"{name} = {{", *(line for key, parts in entries for line in wrapped(key, parts)), "}"]
+    return [f"{name}: dict[str, tuple[Any, ...]] = {{", *(line for key, parts in entries for line in wrapped(key, parts)), "}"]
 
 
 def interface(header):

@@ -56,9 +56,9 @@ class MOULAGE_OT_markers_from_label(NeedsTemplate, bpy.types.Operator):
         if not settings.label_planes:
             raise Wrong("Choose at least one kind of slice.")
         axes = [scan.AXES[view] for view in scan.AXES if view in settings.label_planes]
-        with calls():
+        with calls() as library:
             found = volume.label_markers(
-                int(settings.label), axes, every=settings.label_every, spacing=settings.label_spacing
+                int(settings.label), axes, library.Clicks(every=settings.label_every, spacing=settings.label_spacing)
             )
         positions = found.points * scan.unit(context.scene)
         made = markers.add_object(context, f"Label {settings.label}", positions)

@@ -1,36 +1,58 @@
-"""moulage puts a template of an organ or bone into one person's shape: numpy in, numpy out.
+"""moulage puts a template of an organ, bone or skeleton into one person's shape: numpy in, numpy out.
 
     tets = moulage.Tetrahedralization(moulage.TriMesh.load("liver.obj"))
     problem = moulage.Reshaping(tets)
-    problem.set_markers(moulage.Markers.load("clicks.csv").points)
-    result = problem.run(tolerance=0.3)
+    problem.set_markers(moulage.Markers.load("clicks.csv"))
+    result = problem.run(moulage.ReshapingOptions(tolerance=0.3))
     result.points
 """
 
+from .interface import VERSION_MAJOR, VERSION_MINOR, VERSION_PATCH
+from .markers import Markers, Pairs
+from .meshes import Surface, TetMesh, TriMesh
 from .motions import Motion
 from .native import CANCELLED, Error, LibraryError, library
-from .registration import Registration, RegistrationResult
-from .reshaping import Reshaping, ReshapingResult, default_options
-from .separation import Separation, SeparationResult
+from .registration import Registration, RegistrationOptions
+from .registration_result import BoneFit, JointPose, RegistrationResult, RegistrationSummary
+from .reshaping import Reshaping, ReshapingOptions
+from .reshaping_result import ReshapingResult, ReshapingSummary
+from .runs import Progress, Run
+from .separation import (
+    Overlap, SeparatedBody, Separation, SeparationOptions, SeparationResult, SeparationSummary,
+)
 from .shape_models import ShapeModel, left_out
-from .shapes import Markers, Pairs, TetMesh, TriMesh
 from .skeletons import Joint, Skeleton
-from .tets import Progress, Run, Tetrahedralization
-from .volumes import Plane, Volume, section
+from .tets import Tetrahedralization, TetQuality
+from .volumes import Clicks, Image, Plane, Volume, VolumeInfo, section
 
 __all__ = [
-    "CANCELLED", "Error", "Joint", "LibraryError", "Markers", "Motion", "Pairs", "Plane", "Progress", "Registration",
-    "RegistrationResult", "Reshaping", "ReshapingResult", "Run", "Separation", "SeparationResult", "ShapeModel", "Skeleton",
-    "TetMesh", "Tetrahedralization", "TriMesh", "Volume", "check_library", "default_options", "left_out", "section",
-    "version",
+    "CANCELLED", "BoneFit", "Clicks", "Error", "Image", "Joint", "JointPose", "LibraryError", "Markers", "Motion", "Overlap",
+    "Pairs", "Plane", "Progress", "Registration", "RegistrationOptions", "RegistrationResult", "RegistrationSummary",
+    "Reshaping", "ReshapingOptions", "ReshapingResult", "ReshapingSummary", "Run", "SeparatedBody", "Separation",
+    "SeparationOptions", "SeparationResult", "SeparationSummary", "ShapeModel", "Skeleton", "Surface", "TetMesh", "TetQuality",
+    "Tetrahedralization", "TriMesh", "Volume", "VolumeInfo", "check_library", "left_out", "section", "version",
 ]
 
+__version__ = f"{VERSION_MAJOR}.{VERSION_MINOR}.{VERSION_PATCH}"
 
-def check_library():
-    """Loads the native library; LibraryError says what is wrong with it."""
+
+def check_library() -> None:
+    """Load the native library.
+
+    Raises
+    ------
+    LibraryError
+        Says what is wrong with it.
+    """
     library()
 
 
-def version():
-    """The version of the native library."""
-    return library().mlg_version_string().decode()
+def version() -> str:
+    """Tell the version of the native library.
+
+    Returns
+    -------
+    str
+    """
+    found: bytes = library().mlg_version_string()
+    return found.decode()

@@ -4,6 +4,7 @@ edit. Handles and arrays travel as plain addresses; `native` makes them."""
 from ctypes import (
     POINTER, Structure, c_char, c_char_p, c_double, c_float, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p,
 )
+from typing import Any
 
 from .versioned import Versioned
 
@@ -312,7 +313,7 @@ class MlgJointPose(Versioned):
 
 
 # Functions that return a status; the last argument is the error.
-CALLS = {
+CALLS: dict[str, tuple[Any, ...]] = {
     "tri_mesh_new": (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError)),
     "tri_mesh_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
     "tri_mesh_save": (c_void_p, c_void_p, c_size_t, c_char_p, POINTER(MlgError)),
@@ -416,7 +417,7 @@ CALLS = {
     "registration_result_warnings": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
 }
 # Functions that return a value: its type, then the arguments.
-GETTERS = {
+GETTERS: dict[str, tuple[Any, ...]] = {
     "abi_version": (c_uint32,),
     "version_string": (c_char_p,),
     "status_name": (c_char_p, c_uint32),

@@ -1,15 +1,22 @@
 """The one file that calls the library: finds and loads it, and turns statuses into exceptions."""
 
+from __future__ import annotations
+
 import ctypes
+import dataclasses
 import os
 import sys
 import threading
+from collections.abc import Sequence
 from ctypes import byref, c_char_p, c_size_t, c_uint32, c_void_p
 from pathlib import Path
+from typing import Any
 
 import numpy
+from numpy.typing import ArrayLike, NDArray
 
 from .interface import ABI_VERSION, CALLS, GETTERS, STATUS, MlgError, MlgSlicePlane
+from .versioned import Versioned
 from .whole_numbers import checked
 
 
@@ -22,21 +29,27 @@ class LibraryError(ImportError):
 
 
 class Error(RuntimeError):
-    """A call failed; the text is the library's sentence, `status` its number."""
+    """A call failed; the text is the library's sentence.
 
-    def __init__(self, status, message):
+    Attributes
+    ----------
+    status : int
+        Its number, as in the C header's ``MlgStatus``; ``CANCELLED`` for a run that was cancelled before it had a result.
+    """
+
+    def __init__(self, status: int, message: str) -> None:
         super().__init__(message)
         self.status = status
 
 
-def file_name():
+def file_name() -> str:
     """What the library is called on this system."""
     if sys.platform == "win32":
         return "moulage.dll"
     return "libmoulage.dylib" if sys.platform == "darwin" else "libmoulage.so"
 
 
-def library_path():
+def library_path() -> Path:
     """MOULAGE_LIBRARY if it is set, else beside this file, else what cargo has built here."""
     named = os.environ.get("MOULAGE_LIBRARY")
     if named:
@@ -47,14 +60,14 @@ def library_path():
     return built if built.is_file() and not beside.is_file() else beside
 
 
-_loaded = None
+_loaded: Any = None
 _loading = threading.Lock()
 # Whether this is a child, by fork alone, of a process that had the library loaded: its threads are not here, whoever
 # waits for them waits for ever.
 forked = False
 
 
-def _in_forked_child():
+def _in_forked_child() -> None:
     global forked, _loading
     forked, _loading = _loaded is not None, threading.Lock()
 
@@ -63,7 +76,7 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_in_forked_child)
 
 
-def library():
+def library() -> Any:
     """The library, loaded and checked once; LibraryError says what is wrong with it."""
     global _loaded
     if forked:
@@ -77,7 +90,7 @@ def library():
     return _loaded
 
 
-def _load(path):
+def _load(path: Path) -> Any:
     if not path.is_file():
         raise LibraryError(f"The moulage library is missing: there is no {path}. Install moulage again.")
     try:
@@ -102,9 +115,9 @@ def _load(path):
         for name, arguments in CALLS.items():
             function = getattr(found, f"mlg_{name}")
             function.restype, function.argtypes = c_uint32, arguments
-        for name, (result, *arguments) in GETTERS.items():
+        for name, kinds in GETTERS.items():
             function = getattr(found, f"mlg_{name}")
-            function.restype, function.argtypes = result, arguments
+            function.restype, function.argtypes = kinds[0], kinds[1:]
     except AttributeError as error:
         raise LibraryError(
             f"The moulage library {path} is older than this package ({error}). Install moulage again."
@@ -112,12 +125,12 @@ def _load(path):
     return found
 
 
-def get(name, *arguments):
+def get(name: str, *arguments: Any) -> Any:
     """Calls a function that cannot fail."""
     return getattr(library(), f"mlg_{name}")(*checked(GETTERS[name][1:], arguments))
 
 
-def call(name, *arguments):
+def call(name: str, *arguments: Any) -> None:
     """Calls a function that can fail; raises its sentence."""
     error = MlgError()
     status = getattr(library(), f"mlg_{name}")(*checked(CALLS[name], arguments), byref(error))
@@ -125,31 +138,31 @@ def call(name, *arguments):
         raise Error(status, error.message.decode("utf-8", "replace"))
 
 
-def make(name, *arguments):
+def make(name: str, *arguments: Any) -> Any:
     """Calls a function whose output is a handle."""
     handle = c_void_p()
     call(name, *arguments, byref(handle))
     return handle.value
 
 
-def fill(name, handle, struct):
+def fill(name: str, handle: Any, struct: Versioned) -> dict[str, Any]:
     """Calls a function that fills a struct; returns its fields."""
     call(name, handle, byref(struct))
     return struct.fields()
 
 
-def options(name, struct, wishes, init=None):
-    """A struct of options with its defaults and then the caller's wishes."""
-    get(init or f"{name}_options_init", byref(struct), ctypes.sizeof(struct))
-    known = struct.fields().keys() - {"reserved", "reserved_too"}
-    for key, value in wishes.items():
-        if key not in known:
-            raise TypeError(f"{key!r} is not an option; there are {', '.join(sorted(known))}")
-        setattr(struct, key, value)
+def options(struct: Versioned, init: str, wishes: Any) -> Any:
+    """A struct of options with its defaults and then the fields of the caller's dataclass."""
+    get(init, byref(struct), ctypes.sizeof(struct))
+    known = struct.fields()
+    for field in dataclasses.fields(wishes):
+        if field.name in known:
+            value = getattr(wishes, field.name)
+            setattr(struct, field.name, int(value) if isinstance(value, bool) else value)
     return struct
 
 
-def array(values, width, kind, name):
+def array(values: ArrayLike, width: int, kind: Any, name: str) -> NDArray[Any]:
     """Rows of `width` numbers for a call: contiguous, and of the right shape or refused."""
     values = numpy.asarray(values)
     shape = (width,) if width > 1 else ()
@@ -162,12 +175,12 @@ def array(values, width, kind, name):
     return numpy.ascontiguousarray(values, kind)
 
 
-def address(values):
+def address(values: NDArray[Any] | None) -> int | None:
     """Where an array lies; the caller keeps it alive during the call."""
     return None if values is None or values.size == 0 else values.ctypes.data
 
 
-def borrowed(name, handle, width, kind, *index):
+def borrowed(name: str, handle: Any, width: int, kind: Any, *index: int) -> NDArray[Any]:
     """A copy of an array that a handle lends; of the part with a number, if one is given."""
     count = c_size_t()
     values = get(name, handle, *index, byref(count))
@@ -179,20 +192,30 @@ def borrowed(name, handle, width, kind, *index):
     return numpy.ctypeslib.as_array(values, (count.value, *shape)).astype(kind)
 
 
-def texts(values):
+def floats(name: str, handle: Any, width: int, *index: int) -> NDArray[numpy.float64]:
+    """The same of real numbers."""
+    return borrowed(name, handle, width, numpy.float64, *index)
+
+
+def indices(name: str, handle: Any, width: int, *index: int) -> NDArray[numpy.uint32]:
+    """The same of numbers of points."""
+    return borrowed(name, handle, width, numpy.uint32, *index)
+
+
+def texts(values: Sequence[str | None] | None) -> Any:
     """Names for a call, or None for none."""
     if values is None:
         return None
     return (c_char_p * len(values))(*(None if v is None else v.encode("utf-8") for v in values))
 
 
-def label(name, handle, *index):
+def label(name: str, handle: Any, *index: int) -> str | None:
     """A name or sentence that a handle lends, or None."""
     found = get(name, handle, *index)
     return None if found is None else found.decode("utf-8", "replace")
 
 
-def text(name, handle, *index):
+def text(name: str, handle: Any, *index: int) -> str:
     """A text that the library writes into a buffer; of the part with a number, if one is given."""
     length = c_size_t()
     call(name, handle, *index, None, 0, byref(length))
@@ -201,7 +224,7 @@ def text(name, handle, *index):
     return buffer.value.decode("utf-8", "replace")
 
 
-def slice_plane(corner, right, down, width, height):
+def slice_plane(corner: ArrayLike, right: ArrayLike, down: ArrayLike, width: int, height: int) -> MlgSlicePlane:
     """A plane for a call."""
     plane = MlgSlicePlane()
     plane.corner[:], plane.right[:], plane.down[:] = corner, right, down
@@ -209,7 +232,7 @@ def slice_plane(corner, right, down, width, height):
     return plane
 
 
-def preview(handle):
+def preview(handle: Any) -> NDArray[numpy.float64] | None:
     """The latest points of a run, or None before there are any."""
     count = c_size_t()
     call("run_preview_points", handle, None, 0, byref(count))
@@ -220,6 +243,6 @@ def preview(handle):
     return points
 
 
-def path(name):
+def path(name: str | os.PathLike[str]) -> bytes:
     """A path as the library takes it."""
     return os.fsencode(name)

@@ -1,115 +1,164 @@
-"""Registering a skeleton: the problem, a run of it, the result."""
+"""Registering a skeleton: the options, the problem, a run of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from ctypes import byref
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy
 
 from . import interface, native
-from .native import address, array, byref
-from .shapes import Handle
+from .handles import Handle
+from .meshes import Surface, TriMesh
+from .native import address, array
+from .registration_result import RegistrationResult
+from .runs import Run, Watcher
+from .shape_models import ShapeModel
 from .skeletons import Skeleton
-from .tets import Run, follow
+from .volumes import Image, Volume
 
-# By the number of MlgLimits.
-LIMITS = ("hard", "soft", "none")
+
+@dataclass(frozen=True, kw_only=True)
+class RegistrationOptions:
+    """How to register. The defaults are right for most skeletons.
+
+    Parameters
+    ----------
+    align : bool, optional
+        Whether many orientations of the template are tried; else it already lies where the person is.
+    as_is : bool, optional
+        Whether the target is meant as it is, even if it looks like a mirror image or another unit.
+    limits : {"hard", "soft", "none"}
+        What the joints' limits are to the search; "soft": 10 degrees of slack where the data insist.
+    radii : sequence of float, optional
+        Of the clusters, from coarse to fine, infinity for one cluster; empty: as the skeleton's file says, else
+        chosen from its size.
+    max_iterations : int, optional
+        Iterations per level; 0: 30.
+    thread_count : int, optional
+        Threads to use; 0: all. The result does not depend on it.
+    paper : bool, optional
+        Whether to run the loop as published, for comparison.
+    """
+
+    align: bool = True
+    as_is: bool = False
+    limits: Literal["hard", "soft", "none"] = "hard"
+    radii: Sequence[float] = ()
+    max_iterations: int = 0
+    thread_count: int = 0
+    paper: bool = False
 
 
 class Registration(Handle):
-    """A template skeleton and what it is to follow: one surface of all bones, surfaces of single bones, or an image."""
+    """A template skeleton and what it is to follow: one surface of all bones, surfaces of single bones, or an image.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+        The template.
+    """
 
     kind = "registration"
 
-    def __init__(self, skeleton):
-        super().__init__(native.make("registration_new", skeleton._handle))
+    def __init__(self, skeleton: Skeleton) -> None:
+        super().__init__(native.make("registration_new", skeleton))
+        self._skeleton, self._target = skeleton, None
 
-    def set_target(self, surface):
-        """One surface of all the person's bones, which may be fused."""
-        native.call("registration_set_target", self._handle, surface._handle)
+    _target: TriMesh | None
 
-    def set_bone_target(self, bone, surface):
-        """The person's surface of one bone, a number from 0; bones without one follow their joints."""
-        native.call("registration_set_bone_target", self._handle, bone, surface._handle)
+    def set_target(self, surface: Surface) -> None:
+        """Set one surface of all the person's bones, which may be fused.
 
-    def set_image(self, person, reference):
-        """A Volume of the person, and one of the same kind in which the template lies on the bones. In the person's
-        the template must lie near them. Millimetres."""
-        native.call("registration_set_image", self._handle, person._handle, reference._handle)
+        Parameters
+        ----------
+        surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            In the skeleton's unit.
+        """
+        target = TriMesh.of(surface)
+        native.call("registration_set_target", self, target)
+        self._target = target
 
-    def set_shape_model(self, model):
-        """A ShapeModel of this template that holds the bones to shapes it knows; None: the one that the template's file
-        names, if any."""
-        native.call("registration_set_shape_model", self._handle, None if model is None else model._handle)
+    def set_bone_target(self, bone: int | str, surface: Surface) -> None:
+        """Set the person's surface of one bone; bones without one follow their joints.
 
-    def start(self, radii=None, limits="hard", **options):
-        """Starts on a thread of the library and returns the Run; its preview has the points of all bones. Options as
-        in the header's MlgRegistrationOptions: align, as_is, max_iterations, thread_count, paper. `radii`: of the clusters,
-        from coarse to fine. `limits`: what those of the joints are, "hard", "soft" (10 degrees of slack) or "none"."""
-        if limits not in LIMITS:
-            raise ValueError(f"limits is {limits!r}; known are {', '.join(LIMITS)}")
-        options["limits"] = LIMITS.index(limits)
-        given = native.options("registration", interface.MlgRegistrationOptions(), options)
-        radii = array([] if radii is None else radii, 1, numpy.float64, "radii")
+        Parameters
+        ----------
+        bone : int or str
+            Its number from 0, or its name.
+        surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            In the skeleton's unit.
+        """
+        number = self._skeleton.number(bone)
+        native.call("registration_set_bone_target", self, number, TriMesh.of(surface))
+
+    def set_image(self, person: Image, reference: Image) -> None:
+        """Set images of one kind, in millimetres.
+
+        Parameters
+        ----------
+        person : path, Volume, nibabel image or SimpleITK.Image
+            Of the person; the template must lie near the bones in it.
+        reference : path, Volume, nibabel image or SimpleITK.Image
+            In which the template lies on the bones.
+        """
+        native.call("registration_set_image", self, Volume.of(person), Volume.of(reference))
+
+    def set_shape_model(self, model: ShapeModel | None) -> None:
+        """Hold the bones to shapes that a model knows.
+
+        Parameters
+        ----------
+        model : ShapeModel or None
+            Of this template; None: the one that the template's file names, if any.
+        """
+        native.call("registration_set_shape_model", self, model)
+
+    def start(self, options: RegistrationOptions | None = None) -> Run[RegistrationResult]:
+        """Start on a thread of the library.
+
+        Parameters
+        ----------
+        options : RegistrationOptions, optional
+
+        Returns
+        -------
+        Run
+            Its result is a `RegistrationResult`; its preview has the points of all bones.
+        """
+        wishes = options or RegistrationOptions()
+        if wishes.limits not in interface.LIMITS:
+            raise ValueError(f"limits is {wishes.limits!r}; known are {', '.join(interface.LIMITS)}")
+        given = interface.MlgRegistrationOptions()
+        native.get("registration_options_init", byref(given), given.struct_size)
+        given.align, given.as_is, given.paper = int(wishes.align), int(wishes.as_is), int(wishes.paper)
+        given.max_iterations, given.thread_count = wishes.max_iterations, wishes.thread_count
+        given.limits = interface.LIMITS.index(wishes.limits)
+        radii = array(wishes.radii, 1, numpy.float64, "radii")
         given.radii, given.radius_count = address(radii), len(radii)
-        run = native.make("registration_start", self._handle, given)
-        return Run(run, "run_wait_registration", RegistrationResult)
+        run = native.make("registration_start", self, given)
+        target = self._target
+        return Run(run, "run_wait_registration", lambda handle: RegistrationResult._of(handle, target))
 
-    def run(self, progress=None, radii=None, limits="hard", **options):
-        """Registers and returns the result. `progress(Progress)` is called some times a second; when it returns
-        False the run stops and what there is is the result."""
-        return follow(self.start(radii, limits, **options), progress)
+    def run(self, options: RegistrationOptions | None = None, progress: Watcher = None) -> RegistrationResult:
+        """Register and wait for the result. Ctrl-C stops it.
 
+        Parameters
+        ----------
+        options : RegistrationOptions, optional
+        progress : callable or bool, optional
+            Called with a `Progress` some times a second; when it returns False the run stops and what there is is the
+            result. True draws a bar.
 
-class RegistrationResult(Handle):
-    """A registered skeleton."""
+        Returns
+        -------
+        RegistrationResult
 
-    kind = "registration_result"
-
-    @property
-    def skeleton(self):
-        """The person's: bones in the template's vertex order, joint frames inside all limits."""
-        return Skeleton._take(native.make("registration_result_skeleton", self._handle))
-
-    @property
-    def summary(self):
-        """A dict: verdict ("good", "doubtful", "failed"), failed_bones, suspicious_bones (not good), cancelled,
-        iterations, joints_outside, mean_residual, max_residual, seconds."""
-        found = native.fill("registration_result_summary", self._handle, interface.MlgRegistrationSummary())
-        found["cancelled"] = found["cancelled"] == 1
-        found["verdict"] = interface.VERDICT[found["verdict"]]
-        return found
-
-    def bone_fit(self, bone):
-        """A dict: verdict ("good", "doubtful", "failed"), reasons (why it is not good, a list of sentences),
-        mean_residual, max_residual, seen (share of its area that lies on the target), suspicious (not good)."""
-        found = interface.MlgBoneFit()
-        native.call("registration_result_bone_fit", self._handle, bone, byref(found))
-        found = found.fields()
-        found.pop("reserved")
-        found.pop("reason_count")
-        found["suspicious"] = found["suspicious"] == 1
-        found["verdict"] = interface.VERDICT[found["verdict"]]
-        found["reasons"] = native.text("registration_result_bone_reasons", self._handle, bone).splitlines()
-        return found
-
-    def joint_pose(self, joint):
-        """A dict: centre, rotation (vector, radians), usage (1: on the limit), excess_rotation, shift, excess_shift,
-        seam."""
-        found = interface.MlgJointPose()
-        native.call("registration_result_joint_pose", self._handle, joint, byref(found))
-        found = found.fields()
-        found["centre"], found["rotation"] = numpy.array(found["centre"]), numpy.array(found["rotation"])
-        return found
-
-    @property
-    def coefficients(self):
-        """Of the shape model, in standard deviations; empty without one."""
-        return native.borrowed("registration_result_coefficients", self._handle, 1, numpy.float64)
-
-    def carry(self, tissue):
-        """The points of a soft tissue TriMesh, given in the template's pose, moved with the bones (n, 3)."""
-        points = numpy.empty_like(tissue.points)
-        native.call("registration_result_carry", self._handle, tissue._handle, address(points))
-        return points
-
-    @property
-    def warnings(self):
-        """What to look at, one sentence each: why the whole is not good, then the worst bones and joints."""
-        return native.text("registration_result_warnings", self._handle).splitlines()
+        Raises
+        ------
+        Error
+            Where there is no target, or it cannot be of this skeleton: another unit, a mirror image.
+        """
+        return self.start(options).wait(progress)

@@ -1,149 +1,188 @@
-"""Filling a surface with tets, and runs."""
+"""Filling a surface with tets."""
 
-from collections import namedtuple
+from __future__ import annotations
+
+import os
+from ctypes import byref
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
 import numpy
+from numpy.typing import NDArray
 
 from . import interface, native
-from .shapes import Handle
+from .handles import Handle
+from .meshes import Surface, TetMesh, TriMesh
+from .runs import Run
 
-Progress = namedtuple(
-    "Progress", "ended iteration fraction energy mean_error max_error seconds stage"
-)
-Progress.__doc__ = """Where a run stands; lengths in the template's unit, NaN while unknown."""
+if TYPE_CHECKING:
+    import pyvista
 
-
-class Run(Handle):
-    """A computation that runs on a thread of the library; when it is garbage, or its `with` block is left, it is
-    cancelled."""
-
-    kind = "run"
-
-    def __init__(self, handle, waiting, result):
-        super().__init__(handle)
-        self._waiting, self._result = waiting, result
-
-    def poll(self):
-        now = native.fill("run_poll", self._handle, interface.MlgProgress())
-        now["ended"] = now.pop("state") == interface.RUN_ENDED
-        now["stage"] = now["stage"].decode("utf-8", "replace")
-        return Progress(**now)
-
-    def cancel(self):
-        """Asks it to stop; of a reshaping the best shape so far stays available."""
-        native.get("run_cancel", self._handle)
-
-    def preview_points(self):
-        """The latest points of the surface (n, 3), or None before there are any."""
-        return native.preview(self._handle)
-
-    def wait(self):
-        """Waits for the end and hands the result over, once. Ctrl-C cancels the run."""
-        return follow(self)
-
-    def wait_for(self, seconds):
-        """Waits for the end, so long at most, and tells whether it has come; `wait` then hands the result over. Ctrl-C is
-        heard afterwards."""
-        state = native.c_uint32()
-        native.call("run_wait_for", self._handle, seconds, native.byref(state))
-        return state.value == interface.RUN_ENDED
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.cancel()
-
-    def _hand_over(self):
-        return self._result._take(native.make(self._waiting, self._handle))
+Method: TypeAlias = Literal["auto", "tetgen", "lattice"]
 
 
-def follow(run, progress=None):
-    """Waits for a run and returns its result. `progress(Progress)` is called some times a second; when it
-    returns False the run is cancelled."""
-    try:
-        while True:
-            now = run.poll()
-            if progress is not None and progress(now) is False:
-                run.cancel()
-            if now.ended:
-                return run._hand_over()
-            run.wait_for(0.2)
-    except BaseException:
-        # Ctrl-C, or an error of `progress`: nobody waits any more, though the traceback may keep the run alive.
-        run.cancel()
-        raise
+class TetQuality(TypedDict):
+    """How good tets are."""
+
+    tet_count: int
+    inverted_count: int
+    """Tets of no or negative volume."""
+    volume: float
+    min_dihedral: float
+    """The smallest angle between two faces of a tet, degrees."""
+    max_dihedral: float
+    min_radius_ratio: float
+    """Three inner radii over the outer one: 1 for a regular tet, 0 for a flat one."""
+    mean_radius_ratio: float
+    dihedral_histogram: list[int]
+    """Dihedral angles in steps of ten degrees."""
 
 
 class Tetrahedralization(Handle):
-    """Tets that carry a surface."""
+    """Tets that carry a surface. Immutable.
+
+    Parameters
+    ----------
+    surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+        The template.
+    method : {"auto", "tetgen", "lattice"}
+        "auto": TetGen where it is installed and the surface is clean, else the built-in lattice.
+    tet_count : int
+        About how many, 24 to 10 million.
+    tetgen : path, optional
+        The program TetGen; else the environment variable MOULAGE_TETGEN names it, or it is searched for.
+
+    Raises
+    ------
+    Error
+        Where the surface has no inside, or TetGen was asked for and failed.
+    """
 
     kind = "tetrahedralization"
+    surface: TriMesh
+    """What the tets carry."""
 
-    def __init__(self, surface, method="auto", tet_count=15000, tetgen=None):
-        """`method`: auto, tetgen or lattice. `tetgen`: path of the program TetGen."""
+    def __init__(
+        self, surface: Surface, method: Method = "auto", tet_count: int = 15000, tetgen: str | os.PathLike[str] | None = None
+    ) -> None:
         # By a run: Ctrl-C reaches it.
         made = self.start(surface, method, tet_count, tetgen).wait()
         super().__init__(made._handle)
-        made._handle = None
+        self.surface, made._handle = made.surface, None
 
     @classmethod
-    def start(cls, surface, method="auto", tet_count=15000, tetgen=None):
-        """The same without waiting: a Run whose result are the tets."""
-        options = _tet_options(method, tet_count, tetgen)
-        run = native.make("tetrahedralization_start", surface._handle, options)
-        return Run(run, "run_wait_tetrahedralization", cls)
+    def start(
+        cls, surface: Surface, method: Method = "auto", tet_count: int = 15000,
+        tetgen: str | os.PathLike[str] | None = None,
+    ) -> Run[Tetrahedralization]:
+        """Do the same without waiting.
+
+        Parameters
+        ----------
+        surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            The template.
+        method : {"auto", "tetgen", "lattice"}
+            As of the class.
+        tet_count : int
+            About how many.
+        tetgen : path, optional
+            The program TetGen.
+
+        Returns
+        -------
+        Run
+            Its result is the `Tetrahedralization`.
+        """
+        carried, options = TriMesh.of(surface), _options(method, tet_count, tetgen)
+        run = native.make("tetrahedralization_start", carried, options)
+        return Run(run, "run_wait_tetrahedralization", lambda handle: cls._carrying(handle, carried))
 
     @classmethod
-    def from_tets(cls, surface, tets):
-        """Takes tets made elsewhere."""
-        return cls._take(native.make("tetrahedralization_from_tets", surface._handle, tets._handle))
+    def from_tets(cls, surface: Surface, tets: TetMesh) -> Tetrahedralization:
+        """Take tets that were made elsewhere.
+
+        Parameters
+        ----------
+        surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            What they are to carry.
+        tets : TetMesh
+
+        Returns
+        -------
+        Tetrahedralization
+
+        Raises
+        ------
+        Error
+            Where they do not reach the surface.
+        """
+        carried = TriMesh.of(surface)
+        return cls._carrying(native.make("tetrahedralization_from_tets", carried, tets), carried)
+
+    @classmethod
+    def _carrying(cls, handle: Any, surface: TriMesh) -> Tetrahedralization:
+        made = cls._take(handle)
+        made.surface = surface
+        return made
 
     @property
-    def points(self):
-        return native.borrowed("tetrahedralization_points", self._handle, 3, numpy.float64)
+    def points(self) -> NDArray[numpy.float64]:
+        """The points of the tets, shape (n, 3)."""
+        return native.floats("tetrahedralization_points", self, 3)
 
     @property
-    def tets(self):
-        return native.borrowed("tetrahedralization_tets", self._handle, 4, numpy.uint32)
+    def tets(self) -> NDArray[numpy.uint32]:
+        """Numbers of points, shape (m, 4)."""
+        return native.indices("tetrahedralization_tets", self, 4)
 
     @property
-    def inside_fractions(self):
-        """The share of each tet inside the surface, 0 to 1."""
-        return native.borrowed("tetrahedralization_inside_fractions", self._handle, 1, numpy.float64)
+    def inside_fractions(self) -> NDArray[numpy.float64]:
+        """The share of each tet inside the surface, 0 to 1, shape (m,)."""
+        return native.floats("tetrahedralization_inside_fractions", self, 1)
 
     @property
-    def method(self):
-        """What made the tets: tetgen, lattice or given."""
-        number = native.get("tetrahedralization_method", self._handle)
+    def method(self) -> str:
+        """What made the tets: "tetgen", "lattice" or "given"."""
+        number = native.get("tetrahedralization_method", self)
         return next(name for name, value in interface.TETS.items() if value == number)
 
     @property
-    def boundary_kept(self):
+    def boundary_kept(self) -> bool:
         """Whether the surface's own triangles are the boundary of the tets."""
-        return native.get("tetrahedralization_boundary_kept", self._handle) == 1
+        return bool(native.get("tetrahedralization_boundary_kept", self) == 1)
 
     @property
-    def warnings(self):
-        count = native.get("tetrahedralization_warning_count", self._handle)
-        lines = (native.get("tetrahedralization_warning", self._handle, i) for i in range(count))
-        return [line.decode("utf-8") for line in lines]
+    def warnings(self) -> list[str]:
+        """What to look at, one sentence each."""
+        count = native.get("tetrahedralization_warning_count", self)
+        return [native.label("tetrahedralization_warning", self, i) or "" for i in range(count)]
 
     @property
-    def quality(self):
-        """A dict: tet_count, inverted_count, volume, min_dihedral, max_dihedral (degrees), ..."""
-        return quality(self._handle, "tetrahedralization_quality")
+    def quality(self) -> TetQuality:
+        """Shapes, angles and volume of the tets."""
+        return quality(self, "tetrahedralization_quality")
+
+    def to_pyvista(self) -> pyvista.UnstructuredGrid:
+        """Give the tets to pyvista.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+        """
+        return TetMesh(self.points, self.tets).to_pyvista()
 
 
-def _tet_options(method, tet_count, tetgen):
+def _options(method: str, tet_count: int, tetgen: str | os.PathLike[str] | None) -> interface.MlgTetrahedralizationOptions:
     if method not in ("auto", "tetgen", "lattice"):
         raise ValueError(f"method {method!r} is not known; auto, tetgen and lattice are")
-    program = native.path(tetgen) if tetgen else None
-    wishes = {"method": interface.TETS[method], "tet_count": tet_count, "tetgen_path": program}
-    return native.options("tetrahedralization", interface.MlgTetrahedralizationOptions(), wishes)
+    options = interface.MlgTetrahedralizationOptions()
+    native.get("tetrahedralization_options_init", byref(options), options.struct_size)
+    options.method, options.tet_count = interface.TETS[method], tet_count
+    options.tetgen_path = native.path(tetgen) if tetgen else None
+    return options
 
 
-def quality(handle, function):
-    found = native.fill(function, handle, interface.MlgTetQuality())
+def quality(handle: Any, function: str) -> TetQuality:
+    """The quality of the tets that a handle has."""
+    found: Any = native.fill(function, handle, interface.MlgTetQuality())
     found["dihedral_histogram"] = list(found["dihedral_histogram"])
-    return found
+    return found  # type: ignore[no-any-return]

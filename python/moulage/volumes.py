@@ -1,142 +1,355 @@
 """Medical images, slices of them, and the lines in which planes cut surfaces. All in millimetres, RAS."""
 
-import numpy
+from __future__ import annotations
 
-from . import interface, native
+import os
+from ctypes import byref, c_size_t
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+from . import exchange, interface, native
+from .exchange import ItkLike, NiftiLike
+from .handles import Handle
+from .markers import Markers
+from .meshes import Surface, TriMesh
 from .native import address, array
-from .shapes import Handle, Markers, TriMesh
+
+if TYPE_CHECKING:
+    import nibabel
+    import SimpleITK
+
+
+class VolumeInfo(TypedDict):
+    """Where an image lies and what it holds."""
+
+    size: NDArray[Any]
+    """Voxels along each index, shape (3,)."""
+    world_from_voxel: NDArray[numpy.float64]
+    """Shape (3, 4); a whole index is a voxel's centre."""
+    spacing: NDArray[numpy.float64]
+    """Millimetres between voxels along each index, shape (3,)."""
+    range: NDArray[numpy.float64]
+    """The smallest and the largest value, shape (2,)."""
+    window: NDArray[numpy.float64]
+    """Width and level of the window that suits the image, shape (2,)."""
+    box_low: NDArray[numpy.float64]
+    """The lowest corner of the box around the image, shape (3,)."""
+    box_high: NDArray[numpy.float64]
 
 
 class Plane:
-    """A rectangle of square pixels: `corner` is the centre of the first (top left) pixel, `right` and
-    `down` the steps to the next pixel and row, `width` and `height` the numbers of pixels."""
+    """A rectangle of square pixels.
 
-    def __init__(self, corner, right, down, width, height):
+    Parameters
+    ----------
+    corner : array_like, shape (3,)
+        The centre of the first (top left) pixel.
+    right, down : array_like, shape (3,)
+        The steps to the next pixel and to the next row.
+    width, height : int
+        The numbers of pixels.
+    """
+
+    def __init__(self, corner: ArrayLike, right: ArrayLike, down: ArrayLike, width: int, height: int) -> None:
         self.corner, self.right, self.down = (numpy.asarray(v, dtype=float) for v in (corner, right, down))
         self.width, self.height = int(width), int(height)
 
-    def _struct(self):
+    def _struct(self) -> interface.MlgSlicePlane:
         return native.slice_plane(self.corner, self.right, self.down, self.width, self.height)
 
     @property
-    def centre(self):
-        """The middle of the rectangle."""
-        return self.corner + self.right * (self.width - 1) / 2 + self.down * (self.height - 1) / 2
+    def centre(self) -> NDArray[numpy.float64]:
+        """The middle of the rectangle, shape (3,)."""
+        middle: NDArray[numpy.float64] = self.corner + self.right * (self.width - 1) / 2 + self.down * (self.height - 1) / 2
+        return middle
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clicks:
+    """How a person would click markers on a label map. Millimetres.
+
+    Parameters
+    ----------
+    every : float, optional
+        Between slices.
+    spacing : float, optional
+        Between markers along an outline.
+    jitter : float, optional
+        The standard deviation of a hand's error.
+    seed : int, optional
+        Another number gives other errors.
+    """
+
+    every: float = 9.0
+    spacing: float = 8.0
+    jitter: float = 0.0
+    seed: int = 1
 
 
 class Volume(Handle):
-    """An image: NIfTI, NRRD, MetaImage, or a folder of DICOM slices."""
+    """A medical image. Immutable.
+
+    Parameters
+    ----------
+    path : path
+        NIfTI, NRRD, MetaImage, or a folder of DICOM slices.
+
+    Raises
+    ------
+    Error
+        Names the file and what is wrong in it.
+    """
 
     kind = "volume"
 
-    def __init__(self, path):
+    def __init__(self, path: str | os.PathLike[str]) -> None:
         super().__init__(native.make("volume_load", native.path(path)))
 
     @classmethod
-    def from_array(cls, values, spacing=(1, 1, 1), origin=(0, 0, 0), directions=((1, 0, 0), (0, 1, 0), (0, 0, 1)), lps=False):
-        """Of an array (i, j, k): labels, or anything that float32 holds. `spacing`: millimetres along each index. `origin`:
-        the centre of the first voxel. `directions` (3, 3): its columns are those of the indices. `lps`: whether these are
-        in LPS, as ITK has them, or in RAS.
+    def of(cls, image: Image) -> Volume:
+        """Take another package's image. All methods that take an image do so by themselves.
 
-            Volume.from_array(itk.array_from_image(i).T, i.GetSpacing(), i.GetOrigin(), i.GetDirection(), lps=True)
-            Volume.from_array(nifti.get_fdata(), origin=nifti.affine[:3, 3], directions=nifti.affine[:3, :3])
+        Parameters
+        ----------
+        image : path, Volume, nibabel image or SimpleITK.Image
+
+        Returns
+        -------
+        Volume
+            The same object if it is one already.
         """
-        values = numpy.asfortranarray(values, numpy.float32)
-        if values.ndim != 3:
-            raise ValueError(f"values: shape {values.shape} where {('i', 'j', 'k')} is needed")
+        if isinstance(image, Volume):
+            return image
+        if isinstance(image, (str, os.PathLike)):
+            return cls(image)
+        return cls.from_array(**exchange.voxels_of(image))
+
+    @classmethod
+    def from_array(
+        cls, values: ArrayLike, spacing: ArrayLike = (1, 1, 1), origin: ArrayLike = (0, 0, 0),
+        directions: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1)), lps: bool = False,
+    ) -> Volume:
+        """Make an image of an array.
+
+        Parameters
+        ----------
+        values : array_like, shape (i, j, k)
+            Labels, or anything that float32 holds.
+        spacing : array_like, shape (3,)
+            Millimetres along each index.
+        origin : array_like, shape (3,)
+            The centre of the first voxel.
+        directions : array_like, shape (3, 3)
+            Its columns are those of the indices.
+        lps : bool
+            Whether origin and directions are in LPS, as ITK has them, or in RAS.
+
+        Returns
+        -------
+        Volume
+        """
+        voxels = numpy.asfortranarray(values, numpy.float32)
+        if voxels.ndim != 3:
+            raise ValueError(f"values: shape {voxels.shape} where {('i', 'j', 'k')} is needed")
         grid = interface.MlgVolumeGrid()
-        native.get("volume_grid_init", native.byref(grid), grid.struct_size)
-        grid.size[:], grid.spacing[:], grid.origin[:] = values.shape, spacing, origin
+        native.get("volume_grid_init", byref(grid), grid.struct_size)
+        grid.size[:], grid.spacing[:], grid.origin[:] = voxels.shape, spacing, origin
         grid.directions[:] = array(directions, 3, numpy.float64, "directions").ravel()
         grid.lps = int(lps)
-        return cls._take(native.make("volume_new", address(values), native.byref(grid)))
+        return cls._take(native.make("volume_new", address(voxels), byref(grid)))
+
+    def to_nibabel(self) -> nibabel.Nifti1Image:
+        """Give it to nibabel, float32.
+
+        Returns
+        -------
+        nibabel.Nifti1Image
+        """
+        affine = numpy.vstack([self.info["world_from_voxel"], [0, 0, 0, 1]])
+        made = exchange.imported("nibabel", "to_nibabel").Nifti1Image(self.values, affine)
+        return made  # type: ignore[no-any-return,unused-ignore]
+
+    def to_sitk(self) -> SimpleITK.Image:
+        """Give it to SimpleITK, float32, in LPS as ITK has it.
+
+        Returns
+        -------
+        SimpleITK.Image
+        """
+        info = self.info
+        lps = numpy.diag([-1.0, -1.0, 1.0]) @ info["world_from_voxel"]
+        made = exchange.imported("SimpleITK", "to_sitk").GetImageFromArray(numpy.ascontiguousarray(self.values.T))
+        made.SetSpacing(info["spacing"].tolist())
+        made.SetOrigin(lps[:, 3].tolist())
+        made.SetDirection((lps[:, :3] / info["spacing"]).ravel().tolist())
+        return made  # type: ignore[no-any-return,unused-ignore]
 
     @property
-    def values(self):
-        """All voxels (i, j, k), float32."""
-        flat = native.borrowed("volume_values", self._handle, 1, numpy.float32)
-        return flat.reshape(self.info["size"], order="F")
+    def values(self) -> NDArray[numpy.float32]:
+        """All voxels, shape (i, j, k)."""
+        flat = native.borrowed("volume_values", self, 1, numpy.float32)
+        return flat.reshape(tuple(self.info["size"]), order="F")
 
     @property
-    def info(self):
-        """A dict: size, world_from_voxel (3, 4), spacing, range, window (width, level), box_low, box_high."""
-        found = native.fill("volume_info", self._handle, interface.MlgVolumeInfo())
+    def info(self) -> VolumeInfo:
+        """Where it lies and what it holds."""
+        found: Any = native.fill("volume_info", self, interface.MlgVolumeInfo())
         found = {name: numpy.array(value) for name, value in found.items()}
         found["world_from_voxel"] = found["world_from_voxel"].reshape(3, 4)
-        return found
+        return found  # type: ignore[no-any-return]
 
     @property
-    def notes(self):
+    def notes(self) -> list[str]:
         """What was noticed while reading, one sentence each."""
-        return native.text("volume_notes", self._handle).splitlines()
+        return native.text("volume_notes", self).splitlines()
 
-    def plane(self, axis, position, pixel=0.0):
-        """A plane as large as the image needs. `axis`: (0, 0, 1) axial, (0, 1, 0) coronal, (1, 0, 0) sagittal,
-        or any other; `position`: millimetres along it; `pixel`: 0 for the image's smallest spacing."""
-        axis = array([axis], 3, numpy.float64, "axis")
+    def plane(self, axis: ArrayLike, position: float, pixel: float = 0.0) -> Plane:
+        """Make a plane as large as the image needs.
+
+        Parameters
+        ----------
+        axis : array_like, shape (3,)
+            (0, 0, 1) axial, (0, 1, 0) coronal, (1, 0, 0) sagittal, or any other.
+        position : float
+            Millimetres along it.
+        pixel : float
+            Millimetres; 0: the image's smallest spacing.
+
+        Returns
+        -------
+        Plane
+        """
+        along = array(numpy.reshape(axis, (1, -1)), 3, numpy.float64, "axis")
         found = interface.MlgSlicePlane()
-        native.call("volume_plane", self._handle, address(axis), position, pixel, found)
+        native.call("volume_plane", self, address(along), position, pixel, found)
         return Plane(found.corner[:], found.right[:], found.down[:], found.width, found.height)
 
-    def slice(self, plane, window=None):
-        """Red, green, blue, alpha (height, width, 4), uint8, rows from the top. `window`: width and level."""
+    def slice(self, plane: Plane, window: ArrayLike | None = None) -> NDArray[numpy.uint8]:
+        """Draw the image on a plane.
+
+        Parameters
+        ----------
+        plane : Plane
+        window : array_like, shape (2,), optional
+            Width and level.
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width, 4)
+            Red, green, blue, alpha, rows from the top.
+        """
         pixels = numpy.empty((plane.height, plane.width, 4), numpy.uint8)
-        window = None if window is None else array(window, 1, numpy.float64, "window")
-        native.call(
-            "volume_slice", self._handle, plane._struct(), address(window), 4, address(pixels), pixels.size
-        )
+        given = None if window is None else array(window, 1, numpy.float64, "window")
+        native.call("volume_slice", self, plane._struct(), address(given), 4, address(pixels), pixels.size)
         return pixels
 
     @property
-    def labels(self):
-        """The numbers of a label map, ascending, without 0; raises Error for an image that is none."""
-        count = native.c_size_t()
-        native.call("volume_labels", self._handle, None, 0, native.byref(count))
+    def labels(self) -> list[int]:
+        """The numbers of a label map, ascending, without 0; raises `Error` for an image that is none."""
+        count = c_size_t()
+        native.call("volume_labels", self, None, 0, byref(count))
         found = numpy.zeros(count.value, numpy.uint32)
-        native.call("volume_labels", self._handle, address(found), len(found), native.byref(count))
-        return found.tolist()
+        native.call("volume_labels", self, address(found), len(found), byref(count))
+        return [int(label) for label in found]
 
-    def outlines(self, label, plane):
-        """The outlines of a label on a Plane, as `section` gives lines."""
-        return _lines(native.make("volume_outlines", self._handle, label, plane._struct()))
+    def outlines(self, label: int, plane: Plane) -> list[NDArray[numpy.float64]]:
+        """Find the outlines of a label on a plane.
 
-    def label_markers(self, label, axes=((0, 0, 1),), **clicks):
-        """Markers on the outlines of a label, as a person would click them: Markers. `axes`: one direction per
-        series of slices, as for `plane`. Keywords: every (mm between slices), spacing (mm along an outline),
-        jitter (mm), seed."""
-        axes = array(axes, 3, numpy.float64, "axes")
-        wishes = native.options("clicks", interface.MlgClicks(), clicks, "clicks_init")
+        Parameters
+        ----------
+        label : int
+        plane : Plane
+
+        Returns
+        -------
+        list of ndarray of float64, shape (n, 3)
+            Closed ones end where they begin.
+        """
+        return _lines(native.make("volume_outlines", self, label, plane._struct()))
+
+    def label_markers(
+        self, label: int, axes: ArrayLike = ((0, 0, 1),), clicks: Clicks | None = None
+    ) -> Markers:
+        """Make markers on the outlines of a label, as a person would click them.
+
+        Parameters
+        ----------
+        label : int
+        axes : array_like, shape (n, 3)
+            One direction for each series of slices, as for `plane`.
+        clicks : Clicks, optional
+
+        Returns
+        -------
+        Markers
+
+        Raises
+        ------
+        Error
+            Where the image has no such label.
+        """
+        directions = array(axes, 3, numpy.float64, "axes")
+        wishes = native.options(interface.MlgClicks(), "clicks_init", clicks or Clicks())
         return Markers._take(
-            native.make("volume_label_markers", self._handle, label, address(axes), len(axes), wishes)
+            native.make("volume_label_markers", self, label, address(directions), len(directions), wishes)
         )
 
-    def label_surface(self, label):
-        """The surface of a label: TriMesh; open where the image ends inside it."""
-        return TriMesh._take(native.make("volume_label_surface", self._handle, label))
+    def label_surface(self, label: int) -> TriMesh:
+        """Make the surface of a label.
+
+        Parameters
+        ----------
+        label : int
+
+        Returns
+        -------
+        TriMesh
+            Open where the image ends inside it.
+        """
+        return TriMesh._take(native.make("volume_label_surface", self, label))
+
+
+# What every method takes that takes an image.
+Image: TypeAlias = Volume | NiftiLike | ItkLike | str | os.PathLike[str]
 
 
 class _Polylines(Handle):
     kind = "polylines"
 
 
-def section(surface, plane_point, plane_normal, points=None):
-    """The lines in which a plane cuts a TriMesh: a list of (n, 3) arrays; closed ones end where they begin.
-    `points`: in place of the surface's own."""
-    points = None if points is None else array(points, 3, numpy.float64, "points")
-    place = array([plane_point], 3, numpy.float64, "plane_point")
-    normal = array([plane_normal], 3, numpy.float64, "plane_normal")
-    count = 0 if points is None else len(points)
+def section(
+    surface: Surface, plane_point: ArrayLike, plane_normal: ArrayLike, points: ArrayLike | None = None
+) -> list[NDArray[numpy.float64]]:
+    """Find the lines in which a plane cuts a surface.
+
+    Parameters
+    ----------
+    surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+    plane_point, plane_normal : array_like, shape (3,)
+    points : array_like, shape (n, 3), optional
+        In place of the surface's own.
+
+    Returns
+    -------
+    list of ndarray of float64, shape (k, 3)
+        Closed ones end where they begin.
+    """
+    moved = None if points is None else array(points, 3, numpy.float64, "points")
+    place = array(numpy.reshape(plane_point, (1, -1)), 3, numpy.float64, "plane_point")
+    normal = array(numpy.reshape(plane_normal, (1, -1)), 3, numpy.float64, "plane_normal")
+    count, cut = 0 if moved is None else len(moved), TriMesh.of(surface)
     return _lines(
-        native.make(
-            "tri_mesh_section", surface._handle, address(points), count, address(place), address(normal)
-        )
+        native.make("tri_mesh_section", cut, address(moved), count, address(place), address(normal))
     )
 
 
-def _lines(handle):
+def _lines(handle: Any) -> list[NDArray[numpy.float64]]:
     lines = _Polylines._take(handle)
-    corners = native.borrowed("polylines_points", lines._handle, 3, numpy.float64)
-    starts = native.borrowed("polylines_starts", lines._handle, 1, numpy.uint64).astype(int)
-    closed = native.borrowed("polylines_closed", lines._handle, 1, numpy.uint8)
+    corners = native.floats("polylines_points", lines, 3)
+    starts = native.borrowed("polylines_starts", lines, 1, numpy.uint64).astype(int)
+    closed = native.borrowed("polylines_closed", lines, 1, numpy.uint8)
     found = [corners[start:end] for start, end in zip(starts, starts[1:])]
     return [numpy.vstack([line, line[:1]]) if ring else line for line, ring in zip(found, closed)]

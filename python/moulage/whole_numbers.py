@@ -3,12 +3,14 @@
 
 import ctypes
 import operator
+from collections.abc import Iterable
 from ctypes import c_size_t, c_uint32, c_uint64
+from typing import Any
 
 KINDS = (c_uint32, c_uint64, c_size_t)
 
 
-def whole(kind, value, name=""):
+def whole(kind: Any, value: Any, name: str = "") -> int:
     """The number, or ValueError."""
     largest = 2 ** (8 * ctypes.sizeof(kind)) - 1
     number = operator.index(value)
@@ -17,6 +19,6 @@ def whole(kind, value, name=""):
     return number
 
 
-def checked(kinds, arguments):
+def checked(kinds: Iterable[Any], arguments: Iterable[Any]) -> list[Any]:
     """The arguments of a call, whole numbers checked."""
     return [whole(kind, value) if kind in KINDS else value for kind, value in zip(kinds, arguments)]

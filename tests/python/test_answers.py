@@ -89,7 +89,7 @@ class Answers(unittest.TestCase):
         problem.set_fixed([7])
         (note,) = problem.check()
         self.assertRegex(note, "only 1 markers")
-        result = problem.run(max_iterations=3)
+        result = problem.run(moulage.ReshapingOptions(max_iterations=3))
         numpy.testing.assert_allclose(result.landmark_distances, numpy.linalg.norm(result.points[:4] - targets, axis=1), atol=1e-9)
         numpy.testing.assert_allclose(result.attachment_distances, numpy.linalg.norm(result.points[4:7] - held, axis=1), atol=1e-9)
         person = moulage.TriMesh(result.points, self.triangles)
@@ -114,7 +114,7 @@ class Answers(unittest.TestCase):
         problem.set_attachments(pairs)
         problem.set_attachments_at_vertices([], numpy.empty((0, 3)))
         problem.load_fixed(self.file("fixed.csv", "vertex\n0\n"))
-        result = problem.run(landmark_tolerance=0.01)
+        result = problem.run(moulage.ReshapingOptions(landmark_tolerance=0.01))
         numpy.testing.assert_allclose(result.points, pairs.targets, atol=0.05)
         for set_pairs in (problem.set_landmarks, problem.set_attachments):
             with self.assertRaisesRegex(TypeError, "give nothing beside them"):
@@ -144,30 +144,30 @@ class Answers(unittest.TestCase):
         registration.set_image(ball, ball)
         larger = moulage.TriMesh(self.points * 1.1, self.triangles)
         registration.set_target(larger)
-        result = registration.run(align=0, max_iterations=2)
+        result = registration.run(moulage.RegistrationOptions(align=False, max_iterations=2))
         self.assertIsInstance(result.warnings, list)
 
     def test_a_target_in_metres_is_refused_unless_it_is_meant(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
         registration.set_target(moulage.TriMesh(self.points / 1000, self.triangles))
         with self.assertRaisesRegex(moulage.Error, "metres"):
-            registration.run(align=0)
-        found = registration.run(align=0, as_is=1).skeleton
+            registration.run(moulage.RegistrationOptions(align=False))
+        found = registration.run(moulage.RegistrationOptions(align=False, as_is=True)).skeleton
         self.assertLess(numpy.ptp(found.points), 0.01 * numpy.ptp(self.points))
 
     def test_limits_have_names(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
         registration.set_target(self.surface)
         with self.assertRaisesRegex(ValueError, "known are hard, soft, none"):
-            registration.run(align=0, limits="loose")
+            registration.run(moulage.RegistrationOptions(limits="loose"))
         for limits in ("hard", "soft", "none"):
-            self.assertFalse(registration.run(align=0, limits=limits).summary["cancelled"])
+            self.assertFalse(registration.run(moulage.RegistrationOptions(align=False, limits=limits)).summary["cancelled"])
 
     def test_a_bone_that_the_target_hardly_shows_is_in_doubt_with_its_reasons(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
         corner = self.points[self.triangles[0]]
         registration.set_target(moulage.TriMesh(corner[0] + 0.3 * (corner - corner[0]), [[0, 1, 2]]))
-        result = registration.run(align=0)
+        result = registration.run(moulage.RegistrationOptions(align=False))
         fit = result.bone_fit(0)
         self.assertNotEqual(fit["verdict"], "good")
         self.assertNotEqual(result.summary["verdict"], "good")

@@ -36,11 +36,11 @@ class Edges(unittest.TestCase):
         problem.set_landmarks_at_vertices(range(8), self.points)
         for name in ("max_iterations", "thread_count"):
             with self.assertRaisesRegex(ValueError, f"{name}: -1 where"):
-                problem.start(**{name: -1})
+                problem.start(moulage.ReshapingOptions(**{name: -1}))
         with self.assertRaises(TypeError):
-            problem.start(max_iterations=2.5)
+            problem.start(moulage.ReshapingOptions(max_iterations=2.5))
         with self.assertRaisesRegex(moulage.Error, "5000 threads are too many"):
-            problem.start(thread_count=5000)
+            problem.start(moulage.ReshapingOptions(thread_count=5000))
         apart = moulage.Separation()
         apart.add_body("cube", moulage.TetMesh(self.tets.points, self.tets.tets))
         with self.assertRaisesRegex(ValueError, "-1 where a whole number"):

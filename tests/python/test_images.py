@@ -64,8 +64,8 @@ class Volumes(unittest.TestCase):
         self.assertEqual((ball.labels, ball.notes), ([7], []))
         (ring,) = ball.outlines(7, ball.plane((0, 0, 1), 0))
         numpy.testing.assert_allclose(ring[0], ring[-1])
-        few = ball.label_markers(7, spacing=12).points
-        many = ball.label_markers(7, [(0, 0, 1), (1, 0, 0)], spacing=6, every=4).points
+        few = ball.label_markers(7, clicks=moulage.Clicks(spacing=12)).points
+        many = ball.label_markers(7, [(0, 0, 1), (1, 0, 0)], moulage.Clicks(spacing=6, every=4)).points
         self.assertGreater(len(many), 3 * len(few))
         for points in (ring, few, many, ball.label_surface(7).points):
             numpy.testing.assert_allclose(numpy.linalg.norm(points, axis=1), 18, atol=1.5)

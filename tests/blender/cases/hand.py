@@ -114,9 +114,10 @@ class Hand(unittest.TestCase):
         armature, target = hand_with_scan()
         # Few steps: the two are to agree, not to be good.
         armature.moulage_skeleton.max_iterations = 2
-        problem = part("library").moulage().Registration(part("skeleton").gather(bpy.context, armature).native())
+        library = part("library").moulage()
+        problem = library.Registration(part("skeleton").gather(bpy.context, armature).native())
         problem.set_target(target)
-        theirs = problem.run(max_iterations=2).skeleton
+        theirs = problem.run(library.RegistrationOptions(max_iterations=2)).skeleton
         bpy.ops.moulage.register()
         ours = part("skeleton").gather(bpy.context, armature.moulage_skeleton.person).native()
         # Single precision of coordinates of some hundred millimetres.

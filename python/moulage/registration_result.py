@@ -1,0 +1,218 @@
+"""What comes out of a registration."""
+
+from __future__ import annotations
+
+import os
+from ctypes import byref
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
+
+import numpy
+from numpy.typing import NDArray
+
+from . import exchange, interface, native
+from .handles import Handle
+from .meshes import Surface, TriMesh
+from .native import address
+from .skeletons import Skeleton
+
+if TYPE_CHECKING:
+    import pyvista
+
+Verdict: TypeAlias = Literal["good", "doubtful", "failed"]
+# What the verdicts are drawn in.
+_COLOURS = {"good": "#7fb77e", "doubtful": "#f0b94d", "failed": "#d9534f"}
+
+
+class RegistrationSummary(TypedDict):
+    """What happened in a registration. Lengths are in the skeleton's unit."""
+
+    verdict: Verdict
+    """How far the whole can be trusted."""
+    failed_bones: int
+    suspicious_bones: int
+    """Bones whose verdict is not good."""
+    joints_outside: int
+    """Joints outside their limits."""
+    mean_residual: float
+    """The mean of the bones' mean residuals."""
+    max_residual: float
+    iterations: int
+    cancelled: bool
+    seconds: float
+
+
+class BoneFit(TypedDict):
+    """How far a bone can be trusted, and why. Lengths are in the skeleton's unit."""
+
+    verdict: Verdict
+    reasons: list[str]
+    """Why it is not good, and what to do, one sentence each."""
+    mean_residual: float
+    """The mean distance to the target, both ways."""
+    max_residual: float
+    seen: float
+    """The share of the bone's area that lies on the target, 0 to 1."""
+    suspicious: bool
+    """Whether its verdict is not good."""
+
+
+class JointPose(TypedDict):
+    """How a joint stands. Lengths are in the skeleton's unit, angles in radians."""
+
+    centre: NDArray[numpy.float64]
+    """Shape (3,)."""
+    rotation: NDArray[numpy.float64]
+    """The rotation vector of the child's frame seen from the parent's, shape (3,)."""
+    usage: float
+    """The share of the allowed rotation that is used; 1: on the limit."""
+    excess_rotation: float
+    """Rotation beyond the limit."""
+    shift: float
+    """Distance of the two frames' origins."""
+    excess_shift: float
+    seam: float
+    """Distance of the two bones' estimates of the centre before they were joined."""
+
+
+class RegistrationResult(Handle):
+    """A registered skeleton."""
+
+    kind = "registration_result"
+    _target: TriMesh | None
+
+    @classmethod
+    def _of(cls, handle: Any, target: TriMesh | None) -> RegistrationResult:
+        made = cls._take(handle)
+        made._target = target
+        return made
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """The person's: bones in the template's vertex order, joint frames inside all limits."""
+        return Skeleton._take(native.make("registration_result_skeleton", self))
+
+    @property
+    def summary(self) -> RegistrationSummary:
+        """How far the whole can be trusted, and its figures."""
+        found: Any = native.fill("registration_result_summary", self, interface.MlgRegistrationSummary())
+        found["cancelled"] = found["cancelled"] == 1
+        found["verdict"] = interface.VERDICT[found["verdict"]]
+        return found  # type: ignore[no-any-return]
+
+    def bone_fit(self, bone: int | str) -> BoneFit:
+        """Tell how far a bone can be trusted, and why.
+
+        Parameters
+        ----------
+        bone : int or str
+            Its number from 0, or its name.
+
+        Returns
+        -------
+        BoneFit
+        """
+        number = bone if isinstance(bone, int) else self.skeleton.number(bone)
+        struct = interface.MlgBoneFit()
+        native.call("registration_result_bone_fit", self, number, byref(struct))
+        found: Any = struct.fields()
+        found.pop("reserved")
+        found.pop("reason_count")
+        found["suspicious"] = found["suspicious"] == 1
+        found["verdict"] = interface.VERDICT[found["verdict"]]
+        found["reasons"] = native.text("registration_result_bone_reasons", self, number).splitlines()
+        return found  # type: ignore[no-any-return]
+
+    def joint_pose(self, joint: int) -> JointPose:
+        """Tell how a joint stands.
+
+        Parameters
+        ----------
+        joint : int
+            Its number from 0.
+
+        Returns
+        -------
+        JointPose
+        """
+        struct = interface.MlgJointPose()
+        native.call("registration_result_joint_pose", self, joint, byref(struct))
+        found: Any = struct.fields()
+        found["centre"], found["rotation"] = numpy.array(found["centre"]), numpy.array(found["rotation"])
+        return found  # type: ignore[no-any-return]
+
+    @property
+    def coefficients(self) -> NDArray[numpy.float64]:
+        """Of the shape model, in standard deviations, shape (modes,); empty without one."""
+        return native.floats("registration_result_coefficients", self, 1)
+
+    def carry(self, tissue: Surface) -> NDArray[numpy.float64]:
+        """Move a soft tissue with the bones.
+
+        Parameters
+        ----------
+        tissue : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            In the template's pose.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, 3)
+            Its points on the person.
+        """
+        given = TriMesh.of(tissue)
+        points = numpy.empty_like(given.points)
+        native.call("registration_result_carry", self, given, address(points))
+        return points
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to look at, one sentence each: why the whole is not good, then the worst bones and joints."""
+        return native.text("registration_result_warnings", self).splitlines()
+
+    def to_pyvista(self) -> pyvista.MultiBlock:
+        """Give all bones to pyvista, with what is known of each.
+
+        Returns
+        -------
+        pyvista.MultiBlock
+            A block for each bone, by its name, with arrays of its points: ``residual`` (the bone's mean distance to the
+            target), ``seen`` (share of its area) and ``verdict`` (0 good, 1 doubtful, 2 failed), and ``distance`` of each
+            point to the target where that is one surface.
+        """
+        made: Any = self.skeleton.to_pyvista()
+        for number in range(made.n_blocks):
+            fit, block = self.bone_fit(number), made[number]
+            count = block.n_points
+            block.point_data["residual"] = numpy.full(count, fit["mean_residual"])
+            block.point_data["seen"] = numpy.full(count, fit["seen"])
+            block.point_data["verdict"] = numpy.full(count, interface.VERDICT.index(fit["verdict"]))
+            if self._target is not None:
+                block.point_data["distance"] = self._target.distances_of(block.points)
+        return made  # type: ignore[no-any-return,unused-ignore]
+
+    def plot(self, heat: str | None = None, screenshot: str | os.PathLike[str] | None = None, **show: Any) -> Any:
+        """Draw the bones, and the target through which they are seen, with pyvista.
+
+        Parameters
+        ----------
+        heat : {"distance", "residual", "seen"} or None
+            What the colours show; None: the verdict of each bone, green, yellow or red.
+        screenshot : path, optional
+            A picture to write, in place of a window.
+        **show
+            For ``pyvista.Plotter.show``.
+
+        Returns
+        -------
+        object
+            What ``pyvista.Plotter.show`` returns.
+        """
+        scene = exchange.imported("pyvista", "plot").Plotter(off_screen=True if screenshot else None)
+        bones: Any = self.to_pyvista()
+        if heat is not None:
+            scene.add_mesh(bones, smooth_shading=True, **exchange.heat_map(heat, heat))
+        else:
+            for number in range(bones.n_blocks):
+                scene.add_mesh(bones[number], color=_COLOURS[self.bone_fit(number)["verdict"]], smooth_shading=True)
+        if self._target is not None:
+            scene.add_mesh(self._target.to_pyvista(), color="lightgray", opacity=0.25)
+        return scene.show(screenshot=screenshot and os.fspath(screenshot), **show)
