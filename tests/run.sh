@@ -15,7 +15,8 @@ declare -A packages=(
     [c]="g++ cmake pkg-config valgrind binutils tetgen"
     [images]="python3-venv"
     [workflow]="python3-venv"
-    [python]="python3-venv"
+    [python]="python3-venv tetgen libegl1 libgl1 libgl1-mesa-dri"
+    [sdist]="python3-venv tetgen libegl1 libgl1 libgl1-mesa-dri"
     [blender]="python3-venv tetgen blender python3-numpy xvfb xauth imagemagick
         libgl1-mesa-dri libegl1 libgl1 libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6"
     [meshlab]="python3-venv g++ make cmake binutils xz-utils ca-certificates
@@ -26,7 +27,7 @@ declare -A packages=(
 
 parts=("${@:-${all[@]}}")
 for part in "${parts[@]}"; do
-    [ -f "tests/$part/run.sh" ] || { echo "there is no part $part; the parts are ${all[*]} quick fuzz"; exit 2; }
+    [ -f "tests/$part/run.sh" ] || { echo "there is no part $part; the parts are ${all[*]} quick fuzz sdist"; exit 2; }
 done
 
 install_packages() {

@@ -28,7 +28,8 @@ class PolyDataLike(Protocol):
     @property
     def points(self) -> Any: ...
 
-    def triangulate(self) -> Any: ...
+    @property
+    def faces(self) -> Any: ...
 
 
 class NiftiLike(Protocol):
@@ -62,9 +63,8 @@ def triangles_of(given: Any) -> tuple[Any, Any]:
     """Points and triangles of another package's surface; quads and polygons of pyvista are split."""
     if hasattr(given, "vertices") and hasattr(given, "faces"):
         return given.vertices, given.faces
-    if hasattr(given, "points") and hasattr(given, "triangulate"):
-        surface = given if hasattr(given, "faces") else given.extract_surface()
-        surface = surface if surface.is_all_triangles else surface.triangulate()
+    if hasattr(given, "points") and hasattr(given, "faces"):
+        surface = given if given.is_all_triangles else given.triangulate()
         return surface.points, surface.faces.reshape(-1, 4)[:, 1:]
     raise TypeError(
         f"a {type(given).__name__} is no surface; give a moulage.TriMesh, a trimesh.Trimesh, a pyvista.PolyData or points "

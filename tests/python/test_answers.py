@@ -3,6 +3,7 @@
     python tests/python/test_answers.py
 """
 
+import dataclasses
 import tempfile
 import unittest
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy
 
 import moulage
+from moulage import interface, native
 from test_package import HAND, cube
 
 
@@ -98,6 +100,9 @@ class Answers(unittest.TestCase):
         self.assertEqual(result.plastic_strains.shape, (len(self.tets.tets), 3, 3))
         numpy.testing.assert_array_equal(result.tets, self.tets.tets)
         self.assertEqual(result.summary["remeshes"], 0)
+        numpy.testing.assert_array_equal(result.surface.triangles, self.triangles)
+        result.save(self.folder / "result.obj")
+        numpy.testing.assert_allclose(moulage.TriMesh.load(self.folder / "result.obj").points, result.points, atol=1e-6)
         result.save_tets(self.folder / "result.vtu")
         numpy.testing.assert_allclose(moulage.TetMesh.load(self.folder / "result.vtu").points, result.tet_points, atol=1e-6)
         apart = moulage.Separation()
@@ -112,6 +117,9 @@ class Answers(unittest.TestCase):
         problem = moulage.Reshaping(self.tets)
         problem.set_landmarks(pairs)
         problem.set_attachments(pairs)
+        problem.set_attachments([pairs, pairs])
+        with self.assertRaisesRegex(TypeError, "give nothing beside them"):
+            problem.set_attachments([pairs], pairs.targets)
         problem.set_attachments_at_vertices([], numpy.empty((0, 3)))
         problem.load_fixed(self.file("fixed.csv", "vertex\n0\n"))
         result = problem.run(moulage.ReshapingOptions(landmark_tolerance=0.01))
@@ -131,6 +139,10 @@ class Answers(unittest.TestCase):
     def test_a_hand_moves_in_a_scene_and_is_no_opensim_model(self):
         hand = moulage.Skeleton.load(HAND / "skeleton.json")
         self.assertEqual(hand.notes, [])
+        numpy.testing.assert_array_equal(hand.surface.points, hand.points)
+        last = len(hand.bone_triangles("5distph"))
+        ends = hand.surface.points[hand.surface.triangles[-last:]]
+        numpy.testing.assert_array_equal(ends, hand.bone_points(26)[hand.bone_triangles(26)])
         name = list(hand.angles)[0]
         moulage.Motion(hand, [0, 1], {name: [0, 0.2]}).save(self.folder / "bend.mot")
         hand.save_motion(self.folder / "bend.mot", self.folder / "bend.glb")
@@ -154,6 +166,23 @@ class Answers(unittest.TestCase):
             registration.run(moulage.RegistrationOptions(align=False))
         found = registration.run(moulage.RegistrationOptions(align=False, as_is=True)).skeleton
         self.assertLess(numpy.ptp(found.points), 0.01 * numpy.ptp(self.points))
+
+    def test_options_have_the_library_s_defaults(self):
+        for options, name in (
+            (moulage.ReshapingOptions(), "reshaping_options"), (moulage.RegistrationOptions(), "registration_options"),
+            (moulage.SeparationOptions(), "separation_options"), (moulage.Clicks(), "clicks"),
+        ):
+            words = "".join(word.capitalize() for word in name.split("_"))
+            struct = getattr(interface, f"Mlg{words}")()
+            native.get(f"{name}_init", native.byref(struct), struct.struct_size)
+            theirs = struct.fields()
+            ours = {field.name: getattr(options, field.name) for field in dataclasses.fields(options)}
+            if "limits" in ours:
+                ours["limits"] = interface.LIMITS.index(ours["limits"])
+                ours["radii"] = ours["radii"] or None
+            for key in ("reserved", "reserved_too", "radius_count"):
+                self.assertEqual(theirs.pop(key, 0), 0)
+            self.assertEqual(theirs, ours)
 
     def test_limits_have_names(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
