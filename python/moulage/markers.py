@@ -65,6 +65,9 @@ class Markers(Handle):
         """
         native.call("markers_save", self, native.path(path))
 
+    def __repr__(self) -> str:
+        return f"Markers({len(self.points)} points)"
+
     @property
     def points(self) -> NDArray[numpy.float64]:
         """The points, shape (n, 3)."""
@@ -159,6 +162,9 @@ class Pairs(Handle):
         """
         template, near, there = (TriMesh.of(each) for each in (surface, bone, person_bone))
         return cls._take(native.make("pairs_from_bone", template, near, there, distance))
+
+    def __repr__(self) -> str:
+        return f"Pairs({len(self.targets)} pairs)"
 
     @property
     def template_points(self) -> NDArray[numpy.float64]:

@@ -119,6 +119,9 @@ class TriMesh(Handle):
         """
         return exchange.polydata(self.points, self.triangles)
 
+    def __repr__(self) -> str:
+        return f"TriMesh({len(self.points)} points, {len(self.triangles)} triangles)"
+
     @property
     def points(self) -> NDArray[numpy.float64]:
         """Its points, shape (n, 3)."""
@@ -261,6 +264,9 @@ class TetMesh(Handle):
         package = exchange.imported("pyvista", "to_pyvista")
         made = package.UnstructuredGrid({package.CellType.TETRA: self.tets.astype(int)}, self.points)
         return made  # type: ignore[no-any-return,unused-ignore]
+
+    def __repr__(self) -> str:
+        return f"TetMesh({len(self.points)} points, {len(self.tets)} tets)"
 
     @property
     def points(self) -> NDArray[numpy.float64]:

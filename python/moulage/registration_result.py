@@ -86,6 +86,10 @@ class RegistrationResult(Handle):
         made._target = target
         return made
 
+    def __repr__(self) -> str:
+        found = self.summary
+        return f"RegistrationResult({found['verdict']}; {found['suspicious_bones']} bones are not good)"
+
     @property
     def skeleton(self) -> Skeleton:
         """The person's: bones in the template's vertex order, joint frames inside all limits."""

@@ -54,6 +54,10 @@ class ReshapingResult(Handle):
         made._surface, made._markers = surface, markers
         return made
 
+    def __repr__(self) -> str:
+        found = self.summary
+        return f"ReshapingResult({found['stop']} after {found['iterations']} iterations)"
+
     @property
     def surface(self) -> TriMesh:
         """The reshaped surface, with the template's triangles."""

@@ -176,6 +176,9 @@ class SeparationResult(Handle):
 
     kind = "separation_result"
 
+    def __repr__(self) -> str:
+        return f"SeparationResult({self.summary['ending']} after {self.summary['rounds']} rounds)"
+
     def points(self, body: int) -> NDArray[numpy.float64]:
         """Give the points of a body's surface.
 

@@ -195,6 +195,9 @@ class Skeleton(Handle):
             "skeleton_save_motion", self, native.path(motion), names, len(names), unit_in_metres, native.path(path)
         )
 
+    def __repr__(self) -> str:
+        return f"Skeleton({len(self.bone_names)} bones, {len(self.joints)} joints)"
+
     @property
     def bone_names(self) -> list[str]:
         """The bones' names, in their order."""

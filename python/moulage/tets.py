@@ -124,6 +124,9 @@ class Tetrahedralization(Handle):
         made.surface = surface
         return made
 
+    def __repr__(self) -> str:
+        return f"Tetrahedralization({len(self.points)} points, {len(self.tets)} tets, by {self.method})"
+
     @property
     def points(self) -> NDArray[numpy.float64]:
         """The points of the tets, shape (n, 3)."""

@@ -187,6 +187,10 @@ class Volume(Handle):
         made.SetDirection((lps[:, :3] / info["spacing"]).ravel().tolist())
         return made  # type: ignore[no-any-return,unused-ignore]
 
+    def __repr__(self) -> str:
+        size, spacing = self.info["size"], self.info["spacing"]
+        return f"Volume({' x '.join(map(str, size))} voxels of {' x '.join(f'{mm:.3g}' for mm in spacing)} mm)"
+
     @property
     def values(self) -> NDArray[numpy.float32]:
         """All voxels, shape (i, j, k)."""

@@ -184,6 +184,28 @@ class Answers(unittest.TestCase):
                 self.assertEqual(theirs.pop(key, 0), 0)
             self.assertEqual(theirs, ours)
 
+    def test_objects_say_what_they_are(self):
+        self.assertEqual(repr(self.surface), "TriMesh(8 points, 12 triangles)")
+        self.assertEqual(repr(moulage.TetMesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)])), "TetMesh(4 points, 1 tets)")
+        self.assertRegex(repr(self.tets), r"Tetrahedralization\(\d+ points, \d+ tets, by lattice\)")
+        self.assertEqual(repr(moulage.Markers(self.points)), "Markers(8 points)")
+        self.assertEqual(repr(moulage.Pairs.from_bone(self.surface, self.surface, self.surface, 0.1)), "Pairs(8 pairs)")
+        self.assertEqual(repr(moulage.Volume.from_array(numpy.ones((2, 3, 4)), (1, 1, 2.5))), "Volume(2 x 3 x 4 voxels of 1 x 1 x 2.5 mm)")
+        skeleton = moulage.Skeleton([("cube", self.surface)])
+        self.assertEqual(repr(skeleton), "Skeleton(1 bones, 0 joints)")
+        registration = moulage.Registration(skeleton)
+        registration.set_target(self.surface)
+        found = registration.run(moulage.RegistrationOptions(align=False))
+        self.assertEqual(repr(found), "RegistrationResult(good; 0 bones are not good)")
+        problem = moulage.Reshaping(self.tets)
+        problem.set_landmarks_at_vertices(range(8), self.points)
+        result = problem.run()
+        self.assertRegex(repr(result), r"ReshapingResult\(\w+ after \d+ iterations\)")
+        apart = moulage.Separation()
+        apart.add_result("cube", result)
+        apart.add_obstacle("far", moulage.TriMesh(self.points + 9, self.triangles))
+        self.assertRegex(repr(apart.run()), r"SeparationResult\(parted after \d+ rounds\)")
+
     def test_limits_have_names(self):
         registration = moulage.Registration(moulage.Skeleton([("cube", self.surface)]))
         registration.set_target(self.surface)
