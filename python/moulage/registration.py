@@ -65,9 +65,8 @@ class Registration(Handle):
 
     def __init__(self, skeleton: Skeleton) -> None:
         super().__init__(native.make("registration_new", skeleton))
-        self._skeleton, self._target = skeleton, None
-
-    _target: TriMesh | None
+        self._skeleton = skeleton
+        self._target: TriMesh | None = None
 
     def set_target(self, surface: Surface) -> None:
         """Set one surface of all the person's bones, which may be fused.

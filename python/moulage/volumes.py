@@ -110,7 +110,7 @@ class Volume(Handle):
 
     @classmethod
     def of(cls, image: Image) -> Volume:
-        """Take another package's image. All methods that take an image do so by themselves.
+        """Take another package's image. `Registration.set_image` does so by itself.
 
         Parameters
         ----------
