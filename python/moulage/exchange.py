@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any, Protocol
+import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
@@ -84,6 +86,18 @@ def heat_map(name: str | None, title: str | None) -> dict[str, Any]:
     """How pyvista is to draw an array of a surface's points: from blue (low) to red (high), with a bar."""
     bar = {"title": f"{title}\n", "n_labels": 4, "width": 0.6, "position_x": 0.2, "height": 0.12}
     return {"scalars": name, "cmap": "turbo", "scalar_bar_args": bar}
+
+
+# A mesh, and what ``Plotter.add_mesh`` is told of its look.
+Layer: TypeAlias = tuple[Any, dict[str, Any]]
+
+
+def drawn(layers: Iterable[Layer], screenshot: str | os.PathLike[str] | None, show: dict[str, Any]) -> Any:
+    """Draws meshes into a picture or a window."""
+    scene = imported("pyvista", "plot").Plotter(off_screen=True if screenshot else None)
+    for mesh, look in layers:
+        scene.add_mesh(mesh, **look)
+    return scene.show(screenshot=screenshot and os.fspath(screenshot), **show)
 
 
 def voxels_of(image: Any) -> dict[str, Any]:

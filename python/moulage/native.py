@@ -151,14 +151,12 @@ def fill(name: str, handle: Any, struct: Versioned) -> dict[str, Any]:
     return struct.fields()
 
 
-def options(struct: Versioned, init: str, wishes: Any) -> Any:
-    """A struct of options with its defaults and then the fields of the caller's dataclass."""
+def options(struct: Versioned, init: str, wishes: Any, **instead: Any) -> Any:
+    """A struct of options with its defaults and then the fields of the caller's dataclass, or what stands for them."""
     get(init, byref(struct), ctypes.sizeof(struct))
-    known = struct.fields()
-    for field in dataclasses.fields(wishes):
-        if field.name in known:
-            value = getattr(wishes, field.name)
-            setattr(struct, field.name, int(value) if isinstance(value, bool) else value)
+    values = {field.name: getattr(wishes, field.name) for field in dataclasses.fields(wishes)} | instead
+    for name, value in values.items():
+        setattr(struct, name, value)
     return struct
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from ctypes import byref
 from dataclasses import dataclass
 from typing import Literal
 
@@ -130,16 +129,14 @@ class Registration(Handle):
         wishes = options or RegistrationOptions()
         if wishes.limits not in interface.LIMITS:
             raise ValueError(f"limits is {wishes.limits!r}; known are {', '.join(interface.LIMITS)}")
-        given = interface.MlgRegistrationOptions()
-        native.get("registration_options_init", byref(given), given.struct_size)
-        given.align, given.as_is, given.paper = int(wishes.align), int(wishes.as_is), int(wishes.paper)
-        given.max_iterations, given.thread_count = wishes.max_iterations, wishes.thread_count
-        given.limits = interface.LIMITS.index(wishes.limits)
         radii = array(wishes.radii, 1, numpy.float64, "radii")
-        given.radii, given.radius_count = address(radii), len(radii)
+        given = native.options(
+            interface.MlgRegistrationOptions(), "registration_options_init", wishes,
+            limits=interface.LIMITS.index(wishes.limits), radii=address(radii), radius_count=len(radii),
+        )
         run = native.make("registration_start", self, given)
-        target = self._target
-        return Run(run, "run_wait_registration", lambda handle: RegistrationResult._of(handle, target))
+        skeleton, target = self._skeleton, self._target
+        return Run(run, "run_wait_registration", lambda handle: RegistrationResult._of(handle, skeleton, target))
 
     def run(self, options: RegistrationOptions | None = None, progress: Watcher = None) -> RegistrationResult:
         """Register and wait for the result. Ctrl-C stops it.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from ctypes import byref
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
 
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     import pyvista
 
 Verdict: TypeAlias = Literal["good", "doubtful", "failed"]
-# What the verdicts are drawn in.
-_COLOURS = {"good": "#7fb77e", "doubtful": "#f0b94d", "failed": "#d9534f"}
+# How pyvista draws verdicts: good, doubtful, failed.
+_COLOURS = {"scalars": "verdict", "cmap": ["#7fb77e", "#f0b94d", "#d9534f"], "clim": (0, 2), "show_scalar_bar": False}
 
 
 class RegistrationSummary(TypedDict):
@@ -48,7 +49,7 @@ class BoneFit(TypedDict):
     reasons: list[str]
     """Why it is not good, and what to do, one sentence each."""
     mean_residual: float
-    """The mean distance to the target, both ways."""
+    """The mean distance from the bone to the target and from the target to the bone."""
     max_residual: float
     seen: float
     """The share of the bone's area that lies on the target, 0 to 1."""
@@ -78,12 +79,13 @@ class RegistrationResult(Handle):
     """A registered skeleton."""
 
     kind = "registration_result"
+    _template: Skeleton
     _target: TriMesh | None
 
     @classmethod
-    def _of(cls, handle: Any, target: TriMesh | None) -> RegistrationResult:
+    def _of(cls, handle: Any, template: Skeleton, target: TriMesh | None) -> RegistrationResult:
         made = cls._take(handle)
-        made._target = target
+        made._template, made._target = template, target
         return made
 
     def __repr__(self) -> str:
@@ -115,7 +117,7 @@ class RegistrationResult(Handle):
         -------
         BoneFit
         """
-        number = bone if isinstance(bone, int) else self.skeleton.number(bone)
+        number = self._template.number(bone)
         struct = interface.MlgBoneFit()
         native.call("registration_result_bone_fit", self, number, byref(struct))
         found: Any = struct.fields()
@@ -210,13 +212,10 @@ class RegistrationResult(Handle):
         object
             What ``pyvista.Plotter.show`` returns.
         """
-        scene = exchange.imported("pyvista", "plot").Plotter(off_screen=True if screenshot else None)
-        bones: Any = self.to_pyvista()
-        if heat is not None:
-            scene.add_mesh(bones, smooth_shading=True, **exchange.heat_map(heat, heat))
-        else:
-            for number in range(bones.n_blocks):
-                scene.add_mesh(bones[number], color=_COLOURS[self.bone_fit(number)["verdict"]], smooth_shading=True)
+        return exchange.drawn(self._layers(heat), screenshot, show)
+
+    def _layers(self, heat: str | None) -> Iterator[exchange.Layer]:
+        colours = _COLOURS if heat is None else exchange.heat_map(heat, heat)
+        yield self.to_pyvista(), {"smooth_shading": True, **colours}
         if self._target is not None:
-            scene.add_mesh(self._target.to_pyvista(), color="lightgray", opacity=0.25)
-        return scene.show(screenshot=screenshot and os.fspath(screenshot), **show)
+            yield self._target.to_pyvista(), {"color": "lightgray", "opacity": 0.25}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy
@@ -180,12 +181,13 @@ class ReshapingResult(Handle):
         object
             What ``pyvista.Plotter.show`` returns.
         """
-        scene = exchange.imported("pyvista", "plot").Plotter(off_screen=True if screenshot else None)
+        return exchange.drawn(self._layers(heat), screenshot, show)
+
+    def _layers(self, heat: str | None) -> Iterator[exchange.Layer]:
         colours = exchange.heat_map(heat, _HEAT.get(heat or "", heat))
-        scene.add_mesh(self.to_pyvista(), color="lightgray", smooth_shading=True, **colours)
+        yield self.to_pyvista(), {"color": "lightgray", "smooth_shading": True, **colours}
         if len(self._markers):
-            scene.add_points(self._markers, color="black", point_size=6, render_points_as_spheres=True)
-        return scene.show(screenshot=screenshot and os.fspath(screenshot), **show)
+            yield self._markers, {"style": "points", "color": "black", "point_size": 6, "render_points_as_spheres": True}
 
     @property
     def summary(self) -> ReshapingSummary:

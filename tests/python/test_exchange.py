@@ -22,10 +22,15 @@ import moulage
 from test_package import HAND, LIVER, cube
 
 
-def reshaped():
-    """A cube that was marked on one side only."""
+def longer_cube():
     problem = moulage.Reshaping(moulage.Tetrahedralization(moulage.TriMesh(*cube()), "lattice", 300))
     problem.set_landmarks_at_vertices(range(8), cube()[0] * (1.5, 1, 1))
+    return problem
+
+
+def reshaped():
+    """A cube that was marked on one side only."""
+    problem = longer_cube()
     problem.set_markers([(1.5, 0.2, 0.5), (1.5, 0.8, 0.5)])
     return problem.run(moulage.ReshapingOptions(landmark_tolerance=0.01))
 
@@ -133,8 +138,7 @@ class Pictures(unittest.TestCase):
 
 class Bars(unittest.TestCase):
     def told(self):
-        problem = moulage.Reshaping(moulage.Tetrahedralization(moulage.TriMesh(*cube()), "lattice", 300))
-        problem.set_landmarks_at_vertices(range(8), cube()[0] * (1.5, 1, 1))
+        problem = longer_cube()
         with contextlib.redirect_stderr(io.StringIO()) as said:
             problem.run(progress=True)
         return said.getvalue()
