@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes in their present shape, and the shape key that a separation writes on them."""
 
-import uuid
-
 import numpy
 
-from . import kept_tets, markers, mesh_data, result
+from . import identity, kept_tets, markers, mesh_data, result
 from .library import Wrong
 
 
@@ -14,9 +12,7 @@ class Body:
 
     def __init__(self, ob):
         _require_writable(ob)
-        if not ob.moulage.uid:
-            ob.moulage.uid = uuid.uuid4().hex
-        self.name, self.uid = ob.name, ob.moulage.uid
+        self.name, self.uid = ob.name, identity.give(ob)
         self.frame = mesh_data.matrix(ob)
         self.points, self.triangles = surface(ob)
         self.tets = kept_tets.find(ob, self.frame, self.points)

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a run needs, taken out of Blender: plain arrays and numbers in world coordinates."""
 
-import uuid
 from dataclasses import dataclass, field
 
 import numpy
 
-from . import attachments, landmarks, markers, mesh_data, preferences
+from . import attachments, identity, landmarks, markers, mesh_data, preferences
 from .library import Wrong, moulage
 
 
@@ -34,14 +33,21 @@ class Inputs:
         shape = hash((self.points.tobytes(), self.triangles.tobytes()))
         return shape, self.method, self.tet_count, self.tetgen
 
+    def asks_the_same(self, other):
+        """Whether another run would find the same shape."""
+        arrays = [
+            (self.markers, other.markers), *zip(self.landmarks, other.landmarks),
+            *zip(self.attachments, other.attachments), (self.fixed, other.fixed),
+        ]
+        same = all(numpy.array_equal(a, b) for a, b in arrays)
+        return same and self.key() == other.key() and self.options == other.options
+
 
 def gather_shape(context, template):
     """The inputs for making tets; Wrong says what is missing."""
     _require_usable(template)
     context.view_layer.update()
     data = template.moulage
-    if not data.uid:
-        data.uid = uuid.uuid4().hex
     own = preferences.get(context)
     frame = mesh_data.matrix(template)
     if abs(numpy.linalg.det(frame[:3, :3])) < 1e-30:
@@ -50,7 +56,7 @@ def gather_shape(context, template):
     if len(faces) == 0:
         raise Wrong(f"'{template.name}' has no faces: pick a surface as template.")
     return Inputs(
-        name=template.name, uid=data.uid, points=mesh_data.world_points(template), triangles=faces, frame=frame,
+        name=template.name, uid=identity.give(template), points=mesh_data.world_points(template), triangles=faces, frame=frame,
         method=data.method, tet_count=data.tet_count, tetgen=own.tetgen if own else "",
     )
 

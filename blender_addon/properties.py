@@ -8,7 +8,7 @@ from bpy.props import (
     PointerProperty, StringProperty,
 )
 
-from . import live_edit, scan
+from . import identity, live_edit, scan
 from .library import Wrong
 
 
@@ -191,13 +191,24 @@ def _slider(view):
     )
 
 
+def _template_chosen(self, _context):
+    if self.template is not None:
+        identity.give(self.template)
+
+
+def _skeleton_chosen(self, _context):
+    if self.skeleton is not None:
+        identity.give(self.skeleton, "moulage_skeleton")
+
+
 class MOULAGE_PG_scene(bpy.types.PropertyGroup):
     template: PointerProperty(
-        name="Template", description="The mesh to put into the person's shape", type=bpy.types.Object, poll=_is_mesh
+        name="Template", description="The mesh to put into the person's shape", type=bpy.types.Object, poll=_is_mesh,
+        update=_template_chosen,
     )
     skeleton: PointerProperty(
         name="Skeleton", description="The armature to put on the person's bones", type=bpy.types.Object,
-        poll=lambda _self, ob: ob.type == "ARMATURE",
+        poll=lambda _self, ob: ob.type == "ARMATURE", update=_skeleton_chosen,
     )
     scan: StringProperty(name="Scan", description="File or folder of the image volume", subtype="FILE_PATH")
     axial: _slider("AXIAL")

@@ -2,25 +2,16 @@
 """One registration of a skeleton without an operator."""
 
 import time
-import uuid
 
 import bpy
 import numpy
 
-from . import mesh_data, person, scan, skeleton, skeleton_files
+from . import identity, mesh_data, person, scan, skeleton, skeleton_files
 from .library import Wrong, calls, moulage
 from .preferences import get
 from .runs import Running
 
 _LIVE_LIMIT = 500_000
-
-
-def find_armature(uid, name):
-    """The armature, also after it was renamed; None if it was deleted."""
-    ob = bpy.data.objects.get(name)
-    if ob is not None and ob.moulage_skeleton.uid == uid and ob.users_collection:
-        return ob
-    return next((o for o in bpy.data.objects if o.moulage_skeleton.uid == uid and o.users_collection), None)
 
 
 def missing(armature):
@@ -47,9 +38,7 @@ class Registering(Running):
         self.template = skeleton.gather(context, armature, scale)
         self.unit = 1.0 / scale
         data = armature.moulage_skeleton
-        if not data.uid:
-            data.uid = uuid.uuid4().hex
-        self.uid, self.name = data.uid, armature.name
+        self.uid, self.name = identity.give(armature, "moulage_skeleton"), armature.name
         self._live = data.live and sum(map(len, self.template.points)) <= _LIVE_LIMIT
         self._preview = person.Preview(armature, self.template)
         own = get(context)
@@ -112,7 +101,7 @@ class Registering(Running):
             )
 
     def _armature(self):
-        return find_armature(self.uid, self.name)
+        return identity.find(self.uid, self.name, "moulage_skeleton")
 
     def tick(self):
         """Goes on; False when it has ended."""

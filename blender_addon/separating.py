@@ -5,7 +5,7 @@ import time
 
 import numpy
 
-from . import bodies, kept_tets, preferences, problem, separate_report, separate_properties, solve
+from . import bodies, identity, kept_tets, preferences, problem, separate_report, separate_properties, solve
 from .library import Wrong, calls, moulage
 from .runs import Running
 
@@ -167,7 +167,7 @@ def _require(soft, hard):
 
 
 def _object(body):
-    return solve.find_template(body.uid, body.name)
+    return identity.find(body.uid, body.name)
 
 
 def _fits(ob, body):

@@ -3,27 +3,18 @@
 
 import time
 
-import bpy
-
-from . import kept_tets, problem, result
+from . import identity, kept_tets, problem, result
 from .library import Wrong, calls, moulage
 from .runs import Running
 
 _LIVE_LIMIT = 500_000
 # Tets of the last shapes: a run after "Fill with Tets", or with other markers, need not make them again.
 _CACHE_SIZE = 4
+_OUT_OF_DATE = "points or settings were changed during the run, and this is the shape for those before: reshape once more"
 
 _cache = {}
 # The last result, by its template's uid: what it was made of, and itself. It holds factors: one is enough.
 _results = {}
-
-
-def find_template(uid, name):
-    """The template, also after it was renamed; None if it was deleted."""
-    ob = bpy.data.objects.get(name)
-    if ob is not None and ob.moulage.uid == uid and ob.users_collection:
-        return ob
-    return next((o for o in bpy.data.objects if o.moulage.uid == uid and o.users_collection), None)
 
 
 def start_filling(inputs):
@@ -109,7 +100,7 @@ class Solve(Running):
         return not now.ended
 
     def _template(self):
-        return find_template(self.inputs.uid, self.inputs.name)
+        return identity.find(self.inputs.uid, self.inputs.name)
 
     def wants_view(self):
         template = self._template()
@@ -137,7 +128,8 @@ class Solve(Running):
             _results.clear()
             _results[self.inputs.uid] = self.inputs.key(), self.inputs.options, found
             seconds = time.monotonic() - self.started
-            said = result.write(context, template, self.inputs, self._before, found, self._warnings, seconds)
+            warnings = self._warnings + ([] if self._is_up_to_date(context, template) else [_OUT_OF_DATE])
+            said = result.write(context, template, self.inputs, self._before, found, warnings, seconds)
             kept_tets.keep(template, self.inputs.frame, found.points, found.tet_points, self._tets.tets)
             return said
         except Wrong:
@@ -145,6 +137,13 @@ class Solve(Running):
             raise
         finally:
             self.close()
+
+    def _is_up_to_date(self, context, template):
+        """Whether the run was for what is there now; in live editing the next one is for what moved meanwhile."""
+        try:
+            return self._earlier is not None or self.inputs.asks_the_same(problem.gather(context, template))
+        except Wrong:
+            return False
 
     def put_back(self):
         template = self._template()

@@ -89,6 +89,7 @@ class MOULAGE_OT_look_at_slice(bpy.types.Operator):
 
     bl_idname = "moulage.look_at_slice"
     bl_label = "Look at Slice"
+    bl_options = {"REGISTER", "UNDO"}
 
     view: bpy.props.EnumProperty(name="Slice", items=[(v, v.capitalize(), "") for v in scan.VIEWS])
 

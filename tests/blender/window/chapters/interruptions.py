@@ -1,4 +1,5 @@
-"""What may happen during a run: it is stopped by the button, its template is deleted, the add-on is disabled."""
+"""What may happen during a run: it is stopped by the button, something is undone, its template is deleted, the add-on is
+disabled."""
 
 import os
 
@@ -14,6 +15,7 @@ def session():
     yield from open_tab()
     yield from show_panels("Reshape")
     yield from stopped_run(lambda: search("Moulage Reshape"), stop_by_button)
+    yield from undo_something()
     yield from delete_template()
     yield from disable()
 
@@ -31,6 +33,27 @@ def stop_by_button():
         # Without a run there is no such button.
         if running():
             raise
+
+
+def undo_something():
+    """Ctrl+Z during a run undoes what was done before it, and the run goes on to its result."""
+    template().moulage.tet_count, template().moulage.max_iterations = 10000, 0
+    bpy.ops.ed.undo_push(message="ready")
+    bpy.ops.moulage.add_landmark("EXEC_DEFAULT", True, name="undone", template_point=(0, 0, 0), target=(0, 0, 0))
+    template().moulage.landmarks["undone"].use = False
+    bpy.ops.ed.undo_push(message="one more")
+    yield from start()
+    yield from until(lambda: bpy.context.window_manager.moulage.fraction > 0.1, "the first steps")
+    for _ in range(2):
+        yield from undo()
+        yield from pause()
+    yield from until(lambda: "undone" not in template().moulage.landmarks, "undo during the run")
+    assert running(), "undo ended the run"
+    yield from until(lambda: not running(), "the end of the run")
+    assert has_result() and template().moulage.result.ending.startswith("Done"), template().moulage.result.ending
+    yield from picture("undone_meanwhile")
+    yield from undo()
+    yield from until(lambda: "undone" not in template().moulage.landmarks and not running(), "undo of the run")
 
 
 def delete_template():
