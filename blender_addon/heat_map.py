@@ -4,7 +4,7 @@
 import numpy
 from mathutils.kdtree import KDTree
 
-from . import mesh_data
+from . import mesh_data, views
 
 COLOUR = "moulage_heat"
 SOURCES = {"DISTANCE": "moulage_distance", "STRETCH": "moulage_stretch"}
@@ -107,10 +107,8 @@ def show(context, template, kind):
     """Chooses a heat map and sets the viewports; "NONE" puts the viewports back."""
     template.moulage.heat = kind
     paint(template)
-    for screen in {window.screen for window in context.window_manager.windows}:
-        for area in screen.areas:
-            if area.type == "VIEW_3D":
-                _set_shading(template, area.spaces.active.shading, kind != "NONE")
+    for _window, _area, space in views.spaces(context):
+        _set_shading(template, space.shading, kind != "NONE")
 
 
 def _set_shading(template, shading, on):

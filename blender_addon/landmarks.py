@@ -7,7 +7,7 @@ import bpy
 import mathutils
 import numpy
 
-from . import mesh_data
+from . import mesh_data, views
 
 # An empty's size as a share of the template's diagonal.
 _EMPTY_SIZE = 0.012
@@ -134,10 +134,8 @@ def used(template):
 
 def hide_parent_lines(context):
     """The dashed lines from each landmark to the template's origin only confuse."""
-    for screen in {window.screen for window in context.window_manager.windows}:
-        for area in screen.areas:
-            if area.type == "VIEW_3D":
-                area.spaces.active.overlay.show_relationship_lines = False
+    for _window, _area, space in views.spaces(context):
+        space.overlay.show_relationship_lines = False
 
 
 def position(empty):

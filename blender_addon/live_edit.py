@@ -4,7 +4,7 @@ the run starts from the result before, which takes a fraction of a whole one."""
 
 import bpy
 
-from . import landmarks, markers, mesh_data, runs, solve
+from . import landmarks, markers, mesh_data, runs, solve, views
 from .library import Wrong
 
 # Seconds between two looks at the scene.
@@ -72,9 +72,8 @@ def _go_on(context, template, current):
         current.finish(context)
     except Wrong as wrong:
         template.moulage.result.ending = str(wrong)
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            area.tag_redraw()
+    for _window, area, _space in views.spaces(context):
+        area.tag_redraw()
 
 
 def _stamp(template):

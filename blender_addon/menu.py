@@ -9,6 +9,8 @@ class MOULAGE_MT_object(bpy.types.Menu):
 
     def draw(self, _context):
         layout = self.layout
+        layout.operator("moulage.import_template")
+        layout.operator("moulage.import_person")
         layout.operator("moulage.set_template")
         layout.operator("moulage.check_template", text="Check Template")
         layout.operator("moulage.fix_template", text="Fix Template")

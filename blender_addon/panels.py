@@ -21,14 +21,23 @@ class NeedsTemplate(Panel):
         return properties.template_of(context) is not None
 
 
-def write(layout, context, text, icon="NONE"):
-    """A text in as many lines as the panel's width asks for."""
-    width = max(20, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 4)
+def write(layout, context, text, icon="NONE", width=0):
+    """A text in as many lines as the panel's width asks for, or of so many letters."""
+    width = width or max(20, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 4)
     column = layout.column(align=True)
     column.scale_y = 0.8
     for paragraph in text.splitlines():
         for number, line in enumerate(textwrap.wrap(paragraph, width)):
             column.label(text=line, icon=icon if number == 0 else ("BLANK1" if icon != "NONE" else "NONE"))
+
+
+def draw_doubts(layout, context, template, width=0):
+    """What is suspicious, each sentence with the button that mends it."""
+    for index, row in enumerate(template.moulage.doubts):
+        box = layout.box().column()
+        write(box, context, row.text, "INFO" if row.severity == "note" else "ERROR", width)
+        if row.button:
+            box.operator("moulage.mend", text=row.button).index = index
 
 
 class MOULAGE_PT_template(Panel, bpy.types.Panel):
@@ -45,8 +54,9 @@ class MOULAGE_PT_template(Panel, bpy.types.Panel):
         column.prop(context.scene.moulage, "template", text="")
         template = properties.template_of(context)
         if template is None:
+            column.operator("moulage.import_template", icon="IMPORT")
             column.operator("moulage.set_template", icon="MESH_DATA")
-            write(layout, context, "Pick the mesh that is to take the person's shape.", "INFO")
+            write(layout, context, "The mesh that is to take the person's shape.", "INFO")
             return
         if template.mode != "OBJECT":
             write(layout, context, "Go back to Object Mode.", "ERROR")
@@ -57,10 +67,9 @@ class MOULAGE_PT_template(Panel, bpy.types.Panel):
         row = column.row(align=True)
         row.operator("moulage.check_template", icon="VIEWZOOM")
         row.operator("moulage.fix_template", icon="MODIFIER")
-        if data.checked and data.findings:
-            write(column, context, data.findings, "ERROR")
-        elif data.checked:
+        if data.checked and not any(row.concern == "surface" for row in data.doubts):
             column.label(text="Closed and clean", icon="CHECKMARK")
+        draw_doubts(column, context, template)
         if abs(context.scene.unit_settings.scale_length - 0.001) > 1e-6:
             column.operator("moulage.use_millimetres", icon="DRIVER_DISTANCE", text="Coordinates Are Millimetres")
 
@@ -139,6 +148,7 @@ class MOULAGE_PT_markers(NeedsTemplate, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         data = properties.template_of(context).moulage
+        layout.operator("moulage.import_person", icon="IMPORT")
         write(layout, context, "Points of the person's surface, in no order.")
         column = layout.column(align=True)
         column.prop(data, "markers", text="", icon="OUTLINER_OB_POINTCLOUD")

@@ -41,6 +41,19 @@ class MOULAGE_PG_landmark(bpy.types.PropertyGroup):
     moved: FloatVectorProperty(description="Where the last run put the template's point", size=3)
 
 
+class MOULAGE_PG_doubt(bpy.types.PropertyGroup):
+    """Something suspicious about a template and its points (preflight.py)."""
+
+    concern: StringProperty(description="What it is about")
+    severity: StringProperty(description="note, doubtful or refused")
+    text: StringProperty(description="What is wrong, one sentence")
+    button: StringProperty(description="What mends it is called so; empty: nothing is known")
+    moves: StringProperty(description="What the motion moves: TEMPLATE or PERSON")
+    motion: FloatVectorProperty(description="What mends it, row by row", size=16)
+    first: StringProperty(description="A landmark whose target is to be swapped")
+    second: StringProperty(description="The other one")
+
+
 class MOULAGE_PG_attachment(bpy.types.PropertyGroup):
     """A bone on which the template grows."""
 
@@ -91,8 +104,8 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
 
     uid: StringProperty(description="Stays the same when the object is renamed")
     tets: StringProperty(description="The tets in the shape of the last run (kept_tets.py)")
-    findings: StringProperty(description="What the check found, one sentence per line")
-    checked: BoolProperty()
+    doubts: CollectionProperty(type=MOULAGE_PG_doubt, description="What was suspicious when it was last looked at")
+    checked: BoolProperty(description="Whether it was looked at")
 
     landmarks: CollectionProperty(type=MOULAGE_PG_landmark)
     active_landmark: IntProperty()
@@ -159,6 +172,11 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     show_markers: BoolProperty(
         name="Show markers", description="Draw the markers as dots, coloured by their distance", default=True
     )
+
+    @property
+    def findings(self):
+        """What is suspicious, one sentence per line."""
+        return "\n".join(row.text for row in self.doubts)
 
 
 def _draw_slice(view):
@@ -255,7 +273,7 @@ class MOULAGE_PG_runtime(bpy.types.PropertyGroup):
 
 
 classes = (
-    MOULAGE_PG_landmark, MOULAGE_PG_attachment, MOULAGE_PG_carried, MOULAGE_PG_result, MOULAGE_PG_template,
+    MOULAGE_PG_landmark, MOULAGE_PG_doubt, MOULAGE_PG_attachment, MOULAGE_PG_carried, MOULAGE_PG_result, MOULAGE_PG_template,
     MOULAGE_PG_scene, MOULAGE_PG_runtime,
 )
 

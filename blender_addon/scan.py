@@ -109,6 +109,14 @@ def _slider(view):
     return view.lower()
 
 
+def follow_unit(context, before):
+    """After a change of the scene's unit, which was `before` metres: the slices lie where they are on the person."""
+    oblique = slices(context.scene).get("OBLIQUE")
+    if oblique is not None:
+        oblique.location *= before / context.scene.unit_settings.scale_length
+    draw_all(context)
+
+
 def draw_all(context):
     for view in slices(context.scene):
         draw(context, view)

@@ -46,7 +46,6 @@ class Solve(Running):
         """`again`: from the result before, for what was moved since; Wrong if there is none that fits."""
         self.inputs = problem.gather(context, template)
         self._earlier = _earlier(self.inputs) if again else None
-        self._warnings = []
         self._tets = None
         data = template.moulage
         self._before = result.Before(template, "" if data.new_key else data.result.key)
@@ -68,7 +67,6 @@ class Solve(Running):
         reshaping.set_landmarks(*inputs.landmarks)
         reshaping.set_attachments(*inputs.attachments)
         reshaping.set_fixed(inputs.fixed)
-        self._warnings = reshaping.check()
         if self._earlier is None:
             self._run = reshaping.start(inputs.options)
         else:
@@ -128,7 +126,7 @@ class Solve(Running):
             _results.clear()
             _results[self.inputs.uid] = self.inputs.key(), self.inputs.options, found
             seconds = time.monotonic() - self.started
-            warnings = self._warnings + ([] if self._is_up_to_date(context, template) else [_OUT_OF_DATE])
+            warnings = [row.text for row in template.moulage.doubts] + ([] if self._is_up_to_date(context, template) else [_OUT_OF_DATE])
             said = result.write(context, template, self.inputs, self._before, found, warnings, seconds)
             kept_tets.keep(template, self.inputs.frame, found.points, found.tet_points, self._tets.tets)
             return said

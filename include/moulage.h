@@ -38,7 +38,8 @@
  *   Filling: from a surface to tets that carry it.
  *   Reshaping: the problem and its options.
  *   Landmarks and attachments: places on a template and their targets, from files or bones.
- *   Before a reshaping: where the template is to lie, and what is suspicious.
+ *   Before a reshaping: where the template is to lie.
+ *   Findings: what is suspicious before a reshaping is run, and what mends it.
  *   Reshaping: started, or run to its end.
  *   What a reshaping gave.
  *   What a reshaping gave: how far markers, landmarks and attachments are from it.
@@ -106,6 +107,11 @@ typedef struct MlgReshaping MlgReshaping;
  * many threads.
  */
 typedef struct MlgPairs MlgPairs;
+
+/**
+ * What is suspicious about a template and its data. Immutable; may be read from many threads.
+ */
+typedef struct MlgFindings MlgFindings;
 
 /**
  * A reshaped template. Immutable; may be read from many threads.
@@ -937,6 +943,19 @@ void mlg_reshaping_free(MlgReshaping *problem);
 #define MLG_NO_VERTEX UINT32_MAX
 
 /**
+ * Makes pairs of template points and targets, `3 * count` coordinates each. `weights`: `count` numbers, 0
+ * or more, or NULL for 1 throughout. `labels`: `count` strings, any of them NULL, or NULL for none;
+ * a pair without one is called by its number. Free with `mlg_pairs_free`.
+ */
+MlgStatus mlg_pairs_new(const double *template_points,
+                        const double *targets,
+                        const double *weights,
+                        const char *const *labels,
+                        size_t count,
+                        MlgPairs **out_pairs,
+                        MlgError *error);
+
+/**
  * Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
  * `target_x,target_y,target_z`; or a marker file with points on the template, if `person_path` is
  * the marker file with the same labels on the person (else NULL). `template_surface`: where the
@@ -1039,7 +1058,7 @@ MlgStatus mlg_reshaping_set_attachment_pairs(MlgReshaping *problem,
 MlgStatus mlg_reshaping_load_fixed(MlgReshaping *problem, const char *path, MlgError *error);
 
 /* ================================================================================================
- * Before a reshaping: where the template is to lie, and what is suspicious.
+ * Before a reshaping: where the template is to lie.
  * ================================================================================================ */
 
 /**
@@ -1071,18 +1090,185 @@ MlgStatus mlg_tri_mesh_align(const MlgTriMesh *template_surface,
                              double *out_person_from_template,
                              MlgError *error);
 
+/* ================================================================================================
+ * Findings: what is suspicious before a reshaping is run, and what mends it.
+ * ================================================================================================ */
+
+/**
+ * What a finding is about.
+ */
+typedef enum MlgConcern {
+  /**
+   * Too few points.
+   */
+  MLG_CONCERN_AMOUNT = 0,
+  /**
+   * The template's surface: holes, flipped triangles.
+   */
+  MLG_CONCERN_SURFACE = 1,
+  /**
+   * Template and person are in two units.
+   */
+  MLG_CONCERN_UNIT = 2,
+  /**
+   * One is in LPS, the other in RAS.
+   */
+  MLG_CONCERN_FRAME = 3,
+  /**
+   * Y is up in one, Z in the other.
+   */
+  MLG_CONCERN_UP_AXIS = 4,
+  /**
+   * The template lies somewhere else.
+   */
+  MLG_CONCERN_PLACE = 5,
+  /**
+   * The template is of the other side of the body.
+   */
+  MLG_CONCERN_SIDE = 6,
+  /**
+   * Two landmarks have each other's targets.
+   */
+  MLG_CONCERN_EXCHANGE = 7,
+  /**
+   * Landmarks or attachments are not on the template, or contradict each other.
+   */
+  MLG_CONCERN_LANDMARKS = 8,
+  /**
+   * The attachments do not hold the body.
+   */
+  MLG_CONCERN_ATTACHMENTS = 9,
+} MlgConcern;
+
+/**
+ * What becomes of a run all the same.
+ */
+typedef enum MlgSeverity {
+  /**
+   * A good result, perhaps less than could be.
+   */
+  MLG_SEVERITY_NOTE = 0,
+  /**
+   * Probably nonsense.
+   */
+  MLG_SEVERITY_DOUBTFUL = 1,
+  /**
+   * Nonsense: the command line refuses to begin.
+   */
+  MLG_SEVERITY_REFUSED = 2,
+} MlgSeverity;
+
+/**
+ * A finding. Lengths are in the template's unit.
+ */
+typedef struct MlgFinding {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * A number of `MlgConcern`.
+   */
+  uint32_t concern;
+  /**
+   * A number of `MlgSeverity`.
+   */
+  uint32_t severity;
+  /**
+   * How far the person's points are from the template on average; NAN where that is not the matter.
+   */
+  double distance;
+  /**
+   * How far they are once it is mended; NAN where that is not known.
+   */
+  double mended_distance;
+  /**
+   * 1 if `motion` mends it.
+   */
+  uint32_t has_motion;
+  /**
+   * 1 if swapping the targets of the landmarks `first` and `second` mends it.
+   */
+  uint32_t has_exchange;
+  /**
+   * A landmark, by its number from 0.
+   */
+  uint32_t first;
+  /**
+   * The other one.
+   */
+  uint32_t second;
+  /**
+   * Where to move the template: a 4x4 matrix, row by row, for points as columns. A mirror image
+   * where its determinant is below 0. The identity if `has_motion` is 0.
+   */
+  double motion[16];
+} MlgFinding;
+
+/**
+ * The name of an `MlgConcern`, e.g. "UP_AXIS"; "UNKNOWN" for other numbers. Static, never NULL.
+ */
+const char *mlg_concern_name(uint32_t concern);
+
+/**
+ * The name of an `MlgSeverity`, e.g. "DOUBTFUL"; "UNKNOWN" for other numbers. Static, never NULL.
+ */
+const char *mlg_severity_name(uint32_t severity);
+
 /**
  * Checks a problem's template, markers and pairs against each other, as the command line does before
  * it starts: other units, another frame, contradictory landmarks, holes. What cannot work is an
  * error. What may be a mistake is written into `buffer`, one sentence per line: UTF-8,
  * zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if `capacity` is 0. `out_length`:
- * bytes of the whole text without the zero; may be NULL.
+ * bytes of the whole text without the zero; may be NULL. `mlg_tri_mesh_inspect` tells more.
  */
 MlgStatus mlg_reshaping_check(const MlgReshaping *problem,
                               char *buffer,
                               size_t capacity,
                               size_t *out_length,
                               MlgError *error);
+
+/**
+ * Looks at a template and what it is to follow before any tets are made: units, frames, up axes, place,
+ * side, exchanged or contradictory landmarks, holes. It is no error that something is found.
+ *
+ * `markers`: `3 * marker_count` coordinates; those that count. `landmarks`, `attachments`: NULL for none.
+ * `fixed`: `fixed_count` vertices. Free with `mlg_findings_free`.
+ */
+MlgStatus mlg_tri_mesh_inspect(const MlgTriMesh *template_surface,
+                               const double *markers,
+                               size_t marker_count,
+                               const MlgPairs *landmarks,
+                               const MlgPairs *attachments,
+                               const uint32_t *fixed,
+                               size_t fixed_count,
+                               MlgFindings **out_findings,
+                               MlgError *error);
+
+/**
+ * How many findings there are; 0 for a handle that is not valid.
+ */
+size_t mlg_findings_count(const MlgFindings *findings);
+
+/**
+ * Tells a finding, a number from 0. `out_finding`: its `struct_size` must be set.
+ */
+MlgStatus mlg_findings_get(const MlgFindings *findings,
+                           size_t index,
+                           MlgFinding *out_finding,
+                           MlgError *error);
+
+/**
+ * What is wrong, and what can be done: one sentence, borrowed until the findings are freed; NULL if there
+ * is no such finding.
+ */
+const char *mlg_findings_text(const MlgFindings *findings,
+                              size_t index);
+
+/**
+ * Frees findings; NULL is fine.
+ */
+void mlg_findings_free(MlgFindings *findings);
 
 /* ================================================================================================
  * Reshaping: started, or run to its end.

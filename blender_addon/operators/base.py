@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from .. import properties, runs, units
+from .. import properties, runs, units, views
 from ..library import Wrong
 
 _INTERVAL = 0.1
@@ -110,12 +110,10 @@ def publish(context, current):
 
 def redraw(context, view=True):
     """All of each 3D view, or its side bar alone: a heavy scene is not drawn again for each number."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if view or region.type == "UI":
-                        region.tag_redraw()
+    for _window, area, _space in views.spaces(context):
+        for region in area.regions:
+            if view or region.type == "UI":
+                region.tag_redraw()
 
 
 class Runs:

@@ -5,7 +5,7 @@ import bpy
 import numpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from .. import landmarks, markers, problem, properties
+from .. import landmarks, markers, preflight, problem, properties
 from ..library import Wrong, calls
 from .base import DropsIntoView, Imports, NeedsTemplate, tells
 
@@ -48,6 +48,8 @@ class MOULAGE_OT_import_markers(Imports, bpy.types.Operator):
             made = markers.add_object(context, name, positions)
             if template is not None:
                 template.moulage.markers = made
+        if template is not None:
+            preflight.look(context, template)
         self.report({"INFO"}, f"{len(positions)} markers read.")
         return {"FINISHED"}
 
@@ -80,6 +82,7 @@ class MOULAGE_OT_import_landmarks(NeedsTemplate, bpy.types.Operator, ImportHelpe
         for label, point, target, weight in rows:
             landmarks.add(context, template, label, point, target).weight = weight
         landmarks.hide_parent_lines(context)
+        preflight.look(context, template)
         self.report({"INFO"}, f"{len(found.weights)} landmarks read. {found.warning or ''}".strip())
         return {"FINISHED"}
 

@@ -6,7 +6,7 @@ import mathutils
 import numpy
 from mathutils.bvhtree import BVHTree
 
-from .. import landmarks, markers, problem, properties, units
+from .. import landmarks, markers, preflight, problem, properties, units
 from ..library import Wrong, calls
 from .base import NeedsTemplate, tells
 
@@ -98,6 +98,7 @@ class MOULAGE_OT_place_template(NeedsTemplate, bpy.types.Operator):
             motion = surface.align(markers.points(template), points, targets, freedom)
         template.matrix_world = mathutils.Matrix(motion.tolist()) @ template.matrix_world
         context.view_layer.update()
+        preflight.look(context, template)
         gaps = numpy.linalg.norm(landmarks.pairs(template)[0] - targets, axis=1)
         off = f" The landmarks are {units.text(context.scene, gaps.mean())} off on average." if len(gaps) else ""
         self.report({"INFO"}, f"The template was placed.{off}")

@@ -3,7 +3,8 @@
 
 import bpy
 
-from .. import landmarks, properties, runs, solve
+from .. import landmarks, preflight, properties, runs, solve
+from ..library import Wrong
 from .base import NeedsTemplate, Runs
 
 
@@ -22,12 +23,30 @@ class MOULAGE_OT_reshape(Runs, NeedsTemplate, bpy.types.Operator):
     bl_idname = "moulage.reshape"
     bl_label = "Reshape"
 
+    anyway: bpy.props.BoolProperty(
+        name="Meant as it is", description="Reshape also where the result would probably be nonsense",
+        options={"SKIP_SAVE"},
+    )
+
     @classmethod
     def poll(cls, context):
         return super().poll(context) and _has_data(cls, properties.template_of(context))
 
+    def invoke(self, context, event):
+        template = properties.template_of(context)
+        preflight.look(context, template)
+        if preflight.serious(template) and not self.anyway and not bpy.app.background:
+            bpy.ops.moulage.reshape_anyway("INVOKE_DEFAULT")
+            return {"CANCELLED"}
+        return super().invoke(context, event)
+
     def begin(self, context):
-        return solve.Solve(context, properties.template_of(context))
+        template = properties.template_of(context)
+        preflight.look(context, template)
+        serious = preflight.serious(template)
+        if serious and not self.anyway:
+            raise Wrong(serious[0].text)
+        return solve.Solve(context, template)
 
 
 class MOULAGE_OT_stop(bpy.types.Operator):

@@ -4,8 +4,8 @@
 import bmesh
 import bpy
 
-from .. import problem, properties, runs, solve, units
-from ..library import Wrong, calls, sentence
+from .. import preflight, problem, properties, runs, scan, solve, views
+from ..library import Wrong, sentence
 from .base import NeedsTemplate, tells
 
 
@@ -25,11 +25,13 @@ class MOULAGE_OT_set_template(bpy.types.Operator):
 
     def execute(self, context):
         context.scene.moulage.template = context.object
+        preflight.look(context, context.object)
         return {"FINISHED"}
 
 
 class MOULAGE_OT_check_template(NeedsTemplate, bpy.types.Operator):
-    """Look for holes, flipped faces, doubled vertices and wrong units"""
+    """Look for holes, flipped faces and doubled vertices, and for units, axes, landmarks and a place that do not go
+    together"""
 
     bl_idname = "moulage.check_template"
     bl_label = "Check"
@@ -37,19 +39,9 @@ class MOULAGE_OT_check_template(NeedsTemplate, bpy.types.Operator):
     @tells
     def execute(self, context):
         template = properties.template_of(context)
-        inputs = problem.gather_shape(context, template)
-        with calls() as library:
-            surface = library.TriMesh(inputs.points, inputs.triangles)
-            findings = [sentence(line) for line in surface.check()]
-        size = (inputs.points.max(axis=0) - inputs.points.min(axis=0)).max()
-        if units.millimetres(context.scene, size) > 10_000:
-            findings.append(
-                f"It is {units.text(context.scene, size)} long: if its coordinates are millimetres, use the "
-                "button Millimetres."
-            )
-        template.moulage.findings = "\n".join(findings)
-        template.moulage.checked = True
-        self.report({"INFO"}, findings[0] if findings else "The template is closed and clean.")
+        preflight.look(context, template)
+        doubts = template.moulage.doubts
+        self.report({"INFO"}, doubts[0].text if doubts else "The template is closed and clean, and nothing is suspicious.")
         return {"FINISHED"}
 
 
@@ -81,7 +73,7 @@ class MOULAGE_OT_fix_template(NeedsTemplate, bpy.types.Operator):
         work.to_mesh(mesh)
         work.free()
         mesh.update()
-        bpy.ops.moulage.check_template()
+        preflight.look(context, template)
         self.report({"INFO"}, f"{before} vertices before, {len(mesh.vertices)} now.")
         return {"FINISHED"}
 
@@ -99,6 +91,16 @@ class MOULAGE_OT_fix_template(NeedsTemplate, bpy.types.Operator):
                 bmesh.ops.triangulate(work, faces=filled)
 
 
+def set_millimetres(context):
+    settings = context.scene.unit_settings
+    before = settings.scale_length
+    settings.system = "METRIC"
+    settings.scale_length = 0.001
+    settings.length_unit = "MILLIMETERS"
+    views.reach_far(context)
+    scan.follow_unit(context, before)
+
+
 class MOULAGE_OT_use_millimetres(bpy.types.Operator):
     """Let one unit of the scene be a millimetre, and let the 3D views reach far enough"""
 
@@ -106,19 +108,12 @@ class MOULAGE_OT_use_millimetres(bpy.types.Operator):
     bl_label = "Millimetres"
     bl_options = {"REGISTER", "UNDO"}
 
+    @tells
     def execute(self, context):
-        settings = context.scene.unit_settings
-        settings.system = "METRIC"
-        settings.scale_length = 0.001
-        settings.length_unit = "MILLIMETERS"
-        for screen in {window.screen for window in context.window_manager.windows}:
-            for area in screen.areas:
-                if area.type == "VIEW_3D":
-                    space = area.spaces.active
-                    space.clip_start, space.clip_end = max(space.clip_start, 0.1), max(space.clip_end, 100_000.0)
+        set_millimetres(context)
         template = properties.template_of(context)
-        if template is not None and template.moulage.checked and not runs.is_running():
-            bpy.ops.moulage.check_template()
+        if template is not None and not runs.is_running():
+            preflight.look(context, template)
         return {"FINISHED"}
 
 

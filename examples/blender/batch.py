@@ -14,16 +14,11 @@ import bpy
 
 def main(folder, out, max_iterations=0):
     bpy.ops.wm.read_homefile(use_empty=True)
-    bpy.ops.wm.obj_import(filepath=str(folder / "template.obj"), forward_axis="Y", up_axis="Z")
-    template = bpy.context.selected_objects[0]
-    bpy.context.scene.moulage.template = template
-    bpy.ops.moulage.use_millimetres()
-
-    bpy.ops.moulage.check_template()
+    bpy.ops.moulage.import_template(filepath=str(folder / "template.obj"))
+    template = bpy.context.scene.moulage.template
+    bpy.ops.moulage.import_person(directory=str(folder), files=[{"name": "markers.csv"}, {"name": "landmarks.csv"}])
     print(template.moulage.findings or "The template is closed and clean.")
 
-    bpy.ops.moulage.import_markers(filepath=str(folder / "markers.csv"))
-    bpy.ops.moulage.import_landmarks(filepath=str(folder / "landmarks.csv"))
     template.moulage.tolerance = 0.3
     template.moulage.landmark_tolerance = 15.0
     template.moulage.max_iterations = max_iterations

@@ -36,6 +36,11 @@ private:
 /** Places on a template with their targets: landmarks or attachments. */
 class Pairs : public Owner<MlgPairs, mlg_pairs_free> {
 public:
+    /** None. */
+    Pairs() = default;
+    Pairs(View<double> places, View<double> targets, View<double> weights = {},
+          View<const char *> labels = {})
+        : Owner(make_from(places, targets, weights, labels)) {}
     /** From a file of pairs, or from two marker files paired by label. */
     static Pairs landmarks(const TriMesh &surface, const std::string &path,
                            const std::string &person_path = "") {
@@ -64,6 +69,14 @@ public:
 
 private:
     using Owner::Owner;
+    static MlgPairs *make_from(View<double> places, View<double> targets, View<double> weights,
+                               View<const char *> labels) {
+        const std::size_t count = rows(places, 3, "places");
+        check_same(rows(targets, 3, "targets"), "targets", count, "places");
+        if (!labels.empty()) check_same(labels.size, "labels", count, "places");
+        return make(mlg_pairs_new, places.data, targets.data, weights_for(weights, count),
+                    labels.data, count);
+    }
 };
 
 }  // namespace moulage

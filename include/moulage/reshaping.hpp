@@ -48,6 +48,37 @@ public:
     }
 };
 
+/** What is suspicious about a template and what it is to follow, and what mends it. */
+class Findings : public Owner<MlgFindings, mlg_findings_free> {
+public:
+    /** Before any tets are made. */
+    static Findings of(const TriMesh &surface, View<double> markers, const Pairs &landmarks = {},
+                       const Pairs &attachments = {}, View<std::uint32_t> fixed = {}) {
+        return Findings(make(mlg_tri_mesh_inspect, surface.as_const(), markers.data,
+                             rows(markers, 3, "markers"), landmarks.as_const(),
+                             attachments.as_const(), fixed.data, fixed.size));
+    }
+    std::size_t size() const { return mlg_findings_count(as_const()); }
+    MlgFinding operator[](std::size_t number) const {
+        return filled<MlgFinding>(mlg_findings_get, as_const(), number);
+    }
+    /** What is wrong and what can be done, in one sentence. */
+    std::string text(std::size_t number) const {
+        return text_or_empty(mlg_findings_text(as_const(), number));
+    }
+    /** Such as UP_AXIS. */
+    std::string concern_name(std::size_t number) const {
+        return mlg_concern_name((*this)[number].concern);
+    }
+    /** Such as DOUBTFUL. */
+    std::string severity_name(std::size_t number) const {
+        return mlg_severity_name((*this)[number].severity);
+    }
+
+private:
+    using Owner::Owner;
+};
+
 /** A template and the data it is to follow. Lists are flat, weights may be left out. */
 class Reshaping : public Owner<MlgReshaping, mlg_reshaping_free> {
 public:

@@ -7,6 +7,7 @@
     result.points
 """
 
+from .findings import Finding, inspect
 from .interface import VERSION_MAJOR, VERSION_MINOR, VERSION_PATCH
 from .markers import Markers, Pairs
 from .meshes import Surface, TetMesh, TriMesh
@@ -26,11 +27,11 @@ from .tets import Tetrahedralization, TetQuality
 from .volumes import Clicks, Image, Plane, Volume, VolumeInfo, section
 
 __all__ = [
-    "CANCELLED", "BoneFit", "Clicks", "Error", "Image", "Joint", "JointPose", "LibraryError", "Markers", "Motion", "Overlap",
+    "CANCELLED", "BoneFit", "Clicks", "Error", "Finding", "Image", "Joint", "JointPose", "LibraryError", "Markers", "Motion", "Overlap",
     "Pairs", "Plane", "Progress", "Registration", "RegistrationOptions", "RegistrationResult", "RegistrationSummary",
     "Reshaping", "ReshapingOptions", "ReshapingResult", "ReshapingSummary", "Run", "SeparatedBody", "Separation",
     "SeparationOptions", "SeparationResult", "SeparationSummary", "ShapeModel", "Skeleton", "Surface", "TetMesh", "TetQuality",
-    "Tetrahedralization", "TriMesh", "Volume", "VolumeInfo", "check_library", "left_out", "section", "version",
+    "Tetrahedralization", "TriMesh", "Volume", "VolumeInfo", "check_library", "inspect", "left_out", "section", "version",
 ]
 
 __version__ = f"{VERSION_MAJOR}.{VERSION_MINOR}.{VERSION_PATCH}"

@@ -38,6 +38,23 @@ STATUS = (
     "panic",
     "external_program",
 )
+CONCERN = (
+    "amount",
+    "surface",
+    "unit",
+    "frame",
+    "up_axis",
+    "place",
+    "side",
+    "exchange",
+    "landmarks",
+    "attachments",
+)
+SEVERITY = (
+    "note",
+    "doubtful",
+    "refused",
+)
 STOP = (
     "settled",
     "tolerance_met",
@@ -123,6 +140,21 @@ class MlgReshapingOptions(Versioned):
         ("reserved", c_uint32),
         ("max_remeshes", c_uint32),
         ("reserved_too", c_uint32),
+    ]
+
+
+class MlgFinding(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("concern", c_uint32),
+        ("severity", c_uint32),
+        ("distance", c_double),
+        ("mended_distance", c_double),
+        ("has_motion", c_uint32),
+        ("has_exchange", c_uint32),
+        ("first", c_uint32),
+        ("second", c_uint32),
+        ("motion", c_double * 16),
     ]
 
 
@@ -342,6 +374,7 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "reshaping_set_attachments": (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
     "reshaping_set_attachments_at_vertices": (c_void_p, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
     "reshaping_set_fixed": (c_void_p, c_void_p, c_size_t, POINTER(MlgError)),
+    "pairs_new": (c_void_p, c_void_p, c_void_p, POINTER(c_char_p), c_size_t, POINTER(c_void_p), POINTER(MlgError)),
     "pairs_load_landmarks": (c_void_p, c_char_p, c_char_p, POINTER(c_void_p), POINTER(MlgError)),
     "pairs_load_attachments": (c_void_p, c_char_p, c_uint32, POINTER(c_void_p), POINTER(MlgError)),
     "pairs_from_bone": (c_void_p, c_void_p, c_void_p, c_double, POINTER(c_void_p), POINTER(MlgError)),
@@ -352,6 +385,10 @@ CALLS: dict[str, tuple[Any, ...]] = {
         c_void_p, c_uint32, c_void_p, c_size_t, c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError),
     ),
     "reshaping_check": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "tri_mesh_inspect": (
+        c_void_p, c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError),
+    ),
+    "findings_get": (c_void_p, c_size_t, POINTER(MlgFinding), POINTER(MlgError)),
     "reshaping_start": (c_void_p, POINTER(MlgReshapingOptions), POINTER(c_void_p), POINTER(MlgError)),
     "reshaping_start_again": (c_void_p, c_void_p, POINTER(MlgReshapingOptions), POINTER(c_void_p), POINTER(MlgError)),
     "run_wait_reshaping": (c_void_p, POINTER(c_void_p), POINTER(MlgError)),
@@ -452,6 +489,11 @@ GETTERS: dict[str, tuple[Any, ...]] = {
     "pairs_label": (c_char_p, c_void_p, c_size_t),
     "pairs_warning": (c_char_p, c_void_p),
     "pairs_free": (None, c_void_p),
+    "concern_name": (c_char_p, c_uint32),
+    "severity_name": (c_char_p, c_uint32),
+    "findings_count": (c_size_t, c_void_p),
+    "findings_text": (c_char_p, c_void_p, c_size_t),
+    "findings_free": (None, c_void_p),
     "stop_name": (c_char_p, c_uint32),
     "reshaping_result_points": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "reshaping_result_tets": (POINTER(c_uint32), c_void_p, POINTER(c_size_t)),

@@ -90,10 +90,36 @@ class Markers(Handle):
 
 
 class Pairs(Handle):
-    """Places on a template and where they are on the person, for landmarks and attachments. Immutable."""
+    """Places on a template and where they are on the person, for landmarks and attachments. Immutable.
+
+    Parameters
+    ----------
+    template_points, targets : array_like, shape (n, 3)
+        The places, and where they are on the person.
+    weights : array_like, shape (n,), optional
+        How much each counts; 1 where left out.
+    labels : sequence of str or None, optional
+        The name of each; its number where left out.
+    """
 
     kind = "pairs"
     NO_VERTEX: int = interface.NO_VERTEX
+
+    def __init__(
+        self, template_points: ArrayLike, targets: ArrayLike, weights: ArrayLike | None = None,
+        labels: Sequence[str | None] | None = None,
+    ) -> None:
+        places = array(template_points, 3, numpy.float64, "template_points")
+        targets = array(targets, 3, numpy.float64, "targets")
+        for count, what in ((len(targets), "targets"), (len(places if labels is None else labels), "labels")):
+            if count != len(places):
+                raise ValueError(f"{count} {what} for {len(places)} template_points")
+        checked = checked_weights(weights, len(places))
+        super().__init__(
+            native.make(
+                "pairs_new", address(places), address(targets), address(checked), native.texts(labels), len(places)
+            )
+        )
 
     @classmethod
     def load_landmarks(

@@ -77,6 +77,11 @@ impl Similarity {
         self.rotation * p * self.scale + self.translation
     }
 
+    /// As a 4x4 matrix, for points as columns (x, y, z, 1).
+    pub fn matrix(&self) -> Matrix4<f64> {
+        (self.rotation * self.scale).to_homogeneous().append_translation(&self.translation)
+    }
+
     /// First `inner`, then `self`.
     #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {

@@ -3,6 +3,7 @@
 use std::ffi::CStr;
 
 use libc::c_char;
+use nalgebra::Matrix4;
 use std::path::PathBuf;
 
 use super::boundary::{Failure, MlgStatus, Outcome};
@@ -176,6 +177,11 @@ pub(super) fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Outcome<&
             list.len()
         ))
     })
+}
+
+/// A matrix row by row, as C has it.
+pub(super) fn rows_of(matrix: &Matrix4<f64>) -> [f64; 16] {
+    std::array::from_fn(|k| matrix[(k / 4, k % 4)])
 }
 
 /// A switch: 0 or 1.

@@ -11,6 +11,7 @@ mod access;
 mod boundary;
 mod buffers;
 mod distances;
+mod findings;
 mod handles;
 mod markers;
 mod mesh;
@@ -38,6 +39,7 @@ mod volume_voxels;
 
 pub use boundary::*;
 pub use distances::*;
+pub use findings::*;
 pub use markers::*;
 pub use mesh::*;
 pub use motion::*;

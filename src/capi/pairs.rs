@@ -49,6 +49,47 @@ impl Pairs {
     }
 }
 
+/// Makes pairs of template points and targets, `3 * count` coordinates each. `weights`: `count` numbers, 0
+/// or more, or NULL for 1 throughout. `labels`: `count` strings, any of them NULL, or NULL for none;
+/// a pair without one is called by its number. Free with `mlg_pairs_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_new(
+    template_points: *const f64,
+    targets: *const f64,
+    weights: *const f64,
+    labels: *const *const c_char,
+    count: usize,
+    out_pairs: *mut *mut MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    access::make((out_pairs, "out_pairs"), error, || {
+        // SAFETY: the caller's promise (see the module).
+        let places = unsafe { buffers::points(template_points, count, "template_points")? };
+        // SAFETY: as above.
+        let targets = unsafe { buffers::points(targets, count, "targets")? };
+        // SAFETY: as above.
+        let weights = unsafe { buffers::weights(weights, count)? };
+        // SAFETY: as above.
+        let labels = unsafe { buffers::texts(labels, count, "labels")? };
+        let pair = |(i, position): (usize, Vec3)| Pair {
+            label: labels[i].clone().unwrap_or_else(|| i.to_string()),
+            position,
+            vertex: None,
+            target: targets[i],
+            weight: weights[i],
+        };
+        Ok(Pairs::new(places.into_iter().enumerate().map(pair).collect(), None))
+    })
+}
+
+/// The pairs of a handle; none for NULL.
+pub(super) fn list_or_none(pairs: *const MlgPairs, name: &str) -> Outcome<Vec<Pair>> {
+    if pairs.is_null() {
+        return Ok(Vec::new());
+    }
+    Ok(handles::get::<Pairs, _>(pairs, name)?.list.clone())
+}
+
 /// Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
 /// `target_x,target_y,target_z`; or a marker file with points on the template, if `person_path` is
 /// the marker file with the same labels on the person (else NULL). `template_surface`: where the

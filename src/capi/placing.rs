@@ -1,14 +1,9 @@
-//! Before a reshaping: where the template is to lie, and what is suspicious.
-
-use libc::c_char;
+//! Before a reshaping: where the template is to lie.
 
 use super::boundary::{Failure, MlgError, MlgStatus, guard};
 use super::mesh::{MlgTriMesh, Surface};
-use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{buffers, handles};
-use crate::align::{Freedom, Similarity, pre_align};
-use crate::math::Vec3;
-use crate::reshape::{Data, Landmark, Pair, inspect_data};
+use crate::align::{Freedom, pre_align};
 
 /// Turn and move only.
 pub const MLG_ALIGN_RIGID: u32 = 0;
@@ -55,67 +50,23 @@ pub unsafe extern "C" fn mlg_tri_mesh_align(
         let to = unsafe { buffers::points(landmark_targets, landmark_count, "landmark_targets")? };
         let motion = pre_align(&surface.mesh, &markers, Some((&from, &to)), freedom)?;
         // SAFETY: as above.
-        unsafe { buffers::copy_out(&matrix_of(&motion), out_person_from_template) };
+        unsafe { buffers::copy_out(&buffers::rows_of(&motion.matrix()), out_person_from_template) };
         Ok(())
-    })
-}
-
-fn matrix_of(motion: &Similarity) -> [f64; 16] {
-    let mut matrix = [0.0; 16];
-    for row in 0..3 {
-        for column in 0..3 {
-            matrix[4 * row + column] = motion.scale * motion.rotation[(row, column)];
-        }
-        matrix[4 * row + 3] = motion.translation[row];
-    }
-    matrix[15] = 1.0;
-    matrix
-}
-
-/// Checks a problem's template, markers and pairs against each other, as the command line does before
-/// it starts: other units, another frame, contradictory landmarks, holes. What cannot work is an
-/// error. What may be a mistake is written into `buffer`, one sentence per line: UTF-8,
-/// zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if `capacity` is 0. `out_length`:
-/// bytes of the whole text without the zero; may be NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn mlg_reshaping_check(
-    problem: *const MlgReshaping,
-    buffer: *mut c_char,
-    capacity: usize,
-    out_length: *mut usize,
-    error: *mut MlgError,
-) -> MlgStatus {
-    guard(error, || {
-        let problem = handles::get::<ProblemObject, _>(problem, "problem")?.lock().clone();
-        let markers: Vec<Vec3> =
-            problem.markers.iter().filter(|m| m.weight > 0.0).map(|m| m.position).collect();
-        let pairs = |list: &[Landmark]| -> Vec<Pair> {
-            list.iter().map(|l| Pair::of(l, &problem.surface)).collect()
-        };
-        let data = Data {
-            surface: (&problem.surface, "the template"),
-            markers: &markers,
-            landmarks: &pairs(&problem.landmarks),
-            attachments: &pairs(&problem.attachments),
-            fixed: &problem.fixed,
-        };
-        let text = inspect_data(&data, None)?.join("\n");
-        // SAFETY: the caller's promise (see the module).
-        unsafe { buffers::write_text(&text, buffer, capacity, out_length) }
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Mat3;
+    use crate::align::Similarity;
+    use crate::math::{Mat3, Vec3};
 
     #[test]
     fn a_motion_is_its_matrix() {
         let turn = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
         let motion =
             Similarity { scale: 2.0, rotation: turn, translation: Vec3::new(5.0, 6.0, 7.0) };
-        let m = matrix_of(&motion);
+        let m = buffers::rows_of(&motion.matrix());
         let p = Vec3::new(1.0, 2.0, 3.0);
         let row = |r: usize| (0..3).map(|c| m[4 * r + c] * p[c]).sum::<f64>() + m[4 * r + 3];
         assert_eq!(Vec3::new(row(0), row(1), row(2)), motion.apply(&p));

@@ -256,8 +256,7 @@ fn frame_of(matrix: &[f64; 16]) -> Option<Isometry3<f64>> {
 }
 
 pub(super) fn matrix_of(frame: &Isometry3<f64>) -> [f64; 16] {
-    let matrix = frame.to_homogeneous();
-    std::array::from_fn(|k| matrix[(k / 4, k % 4)])
+    buffers::rows_of(&frame.to_homogeneous())
 }
 
 /// Frees a skeleton. NULL and handles freed already are allowed. Objects made from it stay valid.

@@ -1,40 +1,21 @@
-//! What is suspicious about a job's inputs, before anything is computed.
+//! What is suspicious about a problem's inputs, before anything is computed.
 
+use super::conflicts::{conflicts, exchanged};
+use super::findings::{Concern, Finding, Severity};
+use super::misplaced::place;
 use super::pairs::Pair;
 use super::problem::check_amount;
 use crate::align::Freedom;
 use crate::error::{Error, Result};
-use crate::locate::ClosestPoints;
 use crate::math::Vec3;
-use crate::mesh::{SurfaceCheck, TriMesh, bounding_box, diagonal};
+use crate::mesh::{SurfaceCheck, TriMesh, diagonal};
 
-/// Markers and template whose sizes differ by more than this do not have the same unit.
-const UNIT_RATIO: f64 = 30.0;
-/// Ratios between the units people mix up.
-const UNITS: [(f64, &str); 4] = [
-    (1000.0, "metres beside millimetres"),
-    (100.0, "metres beside centimetres"),
-    (10.0, "centimetres beside millimetres"),
-    (25.4, "inches beside millimetres"),
-];
-/// Markers this share of the diagonal away from the template, on average, are somewhere else.
-const FAR: f64 = 0.5;
-/// Places on the template that lie this share of the diagonal outside its box are not on it.
-const OFF_TEMPLATE: f64 = 0.05;
-/// A frame is mixed up if turning it brings the markers this much nearer.
-const NEARER: f64 = 0.2;
 /// Fewer markers leave most of the shape to the prior.
 const FEW_MARKERS: usize = 10;
-/// Points nearer than this share of the diagonal are the same place.
-const SAME_PLACE: f64 = 1e-6;
-/// Targets farther apart than this share of the diagonal are different places.
-const OTHER_PLACE: f64 = 0.02;
-/// Neighbouring landmarks whose targets are this many times farther apart are suspicious.
-const TORN: f64 = 10.0;
 /// Points within this share of their extent from one line do not hold a body.
 const COLLINEAR: f64 = 1e-3;
 
-/// What [`inspect_data`] looks at.
+/// What [`inspect`] looks at.
 #[derive(Clone, Copy, Debug)]
 pub struct Data<'a> {
     /// The template's surface, and what to call it.
@@ -49,170 +30,74 @@ pub struct Data<'a> {
     pub fixed: &'a [u32],
 }
 
-/// Checks template, points and pairs against each other. What cannot work is an error; what may be a
-/// mistake comes back as a sentence each. `align`: how the template will be moved as a whole first.
+/// Checks template, points and pairs against each other: [`inspect`], in sentences. The first finding that
+/// is refused is an error.
 pub fn inspect_data(data: &Data, align: Option<Freedom>) -> Result<Vec<String>> {
+    let findings = inspect(data, align);
+    match findings.iter().find(|finding| finding.severity == Severity::Refused) {
+        Some(refused) => Err(Error::invalid(refused.text.clone())),
+        None => Ok(findings.into_iter().map(|finding| finding.text).collect()),
+    }
+}
+
+/// All that is suspicious about a template with its points and pairs. `align`: how the template will be
+/// moved as a whole first.
+pub fn inspect(data: &Data, align: Option<Freedom>) -> Vec<Finding> {
     let (surface, name) = data.surface;
-    let mut warnings = surface_warnings(surface, name);
-    let of_weight = |pairs: &[Pair]| pairs.iter().filter(|p| p.weight > 0.0).count();
-    check_amount(data.markers.len(), of_weight(data.landmarks), of_weight(data.attachments))?;
-    if align != Some(Freedom::Similarity) {
-        check_units(surface, data.markers)?;
-    }
-    if align.is_none() {
-        check_place(surface, data.markers, &mut warnings)?;
-    }
-    if (1..FEW_MARKERS).contains(&data.markers.len()) && data.landmarks.len() < FEW_MARKERS {
-        warnings.push(format!(
-            "there are only {} markers; where none is near, the shape is a smooth guess",
-            data.markers.len()
-        ));
-    }
+    let mut findings = surface_findings(surface, name);
+    findings.extend(amount(data));
     for (pairs, what) in [(data.landmarks, "landmarks"), (data.attachments, "attachments")] {
-        check_places(surface, pairs, what, &mut warnings)?;
-        check_pairs(pairs, what, surface.diagonal(), &mut warnings)?;
+        findings.extend(conflicts(surface, pairs, what));
     }
-    check_attachments(data)?;
-    Ok(warnings)
+    findings.extend(exchanged(data.landmarks));
+    if align != Some(Freedom::Similarity) {
+        findings.extend(place(surface, data.markers, data.landmarks, align.is_some()));
+    }
+    findings.extend(attachments(data));
+    findings
 }
 
-fn surface_warnings(surface: &TriMesh, name: &str) -> Vec<String> {
+fn surface_findings(surface: &TriMesh, name: &str) -> Vec<Finding> {
     let check = SurfaceCheck::new(surface);
-    let mut warnings: Vec<String> = check
-        .sentences(surface)
-        .into_iter()
-        .map(|sentence| format!("{name}: {sentence}"))
-        .collect();
+    let mut sentences = check.sentences(surface);
     if check.is_closed() && surface.volume() < 0.0 {
-        warnings.push(format!(
-            "{name}: the surface is inside out (its normals point inwards); flip the normals"
-        ));
+        sentences
+            .push("the surface is inside out (its normals point inwards); flip the normals".into());
     }
-    warnings
+    let finding =
+        |sentence| Finding::new(Concern::Surface, Severity::Note, format!("{name}: {sentence}"));
+    sentences.into_iter().map(finding).collect()
 }
 
-fn check_units(surface: &TriMesh, markers: &[Vec3]) -> Result<()> {
-    let (own, theirs) = (surface.diagonal(), diagonal(markers));
-    if markers.len() < 3 || theirs == 0.0 || own == 0.0 {
-        return Ok(());
+fn amount(data: &Data) -> Option<Finding> {
+    let of_weight = |pairs: &[Pair]| pairs.iter().filter(|p| p.weight > 0.0).count();
+    let count = data.markers.len();
+    let enough = check_amount(count, of_weight(data.landmarks), of_weight(data.attachments));
+    if let Err(error) = enough {
+        return Some(Finding::new(Concern::Amount, Severity::Refused, error.to_string()));
     }
-    let ratio = (own / theirs).max(theirs / own);
-    if ratio < UNIT_RATIO {
-        return Ok(());
-    }
-    let nearest =
-        UNITS.iter().min_by(|a, b| (a.0 / ratio).ln().abs().total_cmp(&(b.0 / ratio).ln().abs()));
-    let guess = nearest
-        .filter(|(unit, _)| (0.6..1.7).contains(&(unit / ratio)))
-        .map_or(String::new(), |(_, name)| format!(", as with {name}"));
-    let larger = if own > theirs { "the template" } else { "the markers' cloud" };
-    Err(Error::invalid(format!(
-        "the markers span {theirs:.4} and the template {own:.4}: {larger} is {ratio:.0} times larger{guess}; bring both to one unit"
-    )))
-}
-
-/// Markers that are not where the template is: by a mixed-up frame, or altogether.
-fn check_place(surface: &TriMesh, markers: &[Vec3], warnings: &mut Vec<String>) -> Result<()> {
-    if markers.is_empty() {
-        return Ok(());
-    }
-    let closest = ClosestPoints::new(&surface.points, &surface.triangles);
-    let mean = |signs: Vec3| {
-        let moved: Vec<Vec3> = markers.iter().map(|m| m.component_mul(&signs)).collect();
-        let found = closest.closest_many(&moved).into_iter().flatten();
-        found.map(|hit| hit.distance).sum::<f64>() / markers.len() as f64
-    };
-    let (as_is, turned) = (mean(Vec3::new(1.0, 1.0, 1.0)), mean(Vec3::new(-1.0, -1.0, 1.0)));
-    if as_is < FAR * surface.diagonal() {
-        return Ok(());
-    }
-    if turned < NEARER * as_is {
-        return Err(Error::invalid(format!(
-            "the markers lie {as_is:.3} from the template on average, but only {turned:.3} with x and y negated: \
-             one of the files is in LPS, the other in RAS; convert one of them"
-        )));
-    }
-    warnings.push(format!(
-        "the markers lie {as_is:.3} from the template on average, more than half its size; move the template there first, by an alignment"
-    ));
-    Ok(())
-}
-
-/// Pairs whose places are not on or in the template: in another frame or unit.
-fn check_places(
-    surface: &TriMesh,
-    pairs: &[Pair],
-    what: &str,
-    warnings: &mut Vec<String>,
-) -> Result<()> {
-    let Some((low, high)) = bounding_box(&surface.points) else { return Ok(()) };
-    let off = |pair: &Pair| (pair.position - pair.position.sup(&low).inf(&high)).norm();
-    let Some(worst) = pairs.iter().max_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
-    let count = pairs.iter().filter(|p| off(p) > OFF_TEMPLATE * surface.diagonal()).count();
-    if count == 0 {
-        return Ok(());
-    }
-    let sentence = format!(
-        "{count} of {} {what} are not on the template, '{}' lies {:.3} outside the box around it; give the place on the template first, then the person's, both in the template's unit",
-        pairs.len(),
-        worst.label,
-        off(worst)
-    );
-    if off(worst) > FAR * surface.diagonal() {
-        return Err(Error::invalid(sentence));
-    }
-    warnings.push(sentence);
-    Ok(())
-}
-
-/// Pairs that contradict each other: one place with two targets, or neighbours torn apart.
-fn check_pairs(
-    pairs: &[Pair],
-    what: &str,
-    diagonal: f64,
-    warnings: &mut Vec<String>,
-) -> Result<()> {
-    let mut torn = Vec::new();
-    for (i, a) in pairs.iter().enumerate() {
-        for b in &pairs[..i] {
-            let here = (a.position - b.position).norm();
-            let there = (a.target - b.target).norm();
-            if here <= SAME_PLACE * diagonal && there > OTHER_PLACE * diagonal {
-                return Err(Error::invalid(format!(
-                    "the {what} '{}' and '{}' are the same place of the template, but their targets are {there:.3} apart; remove one",
-                    b.label, a.label
-                )));
-            }
-            if there > TORN * here && there > OTHER_PLACE * diagonal {
-                torn.push((b, a, here, there));
-            }
-        }
-    }
-    if let Some((b, a, here, there)) = torn.first() {
-        warnings.push(format!(
-            "{} pairs of {what} contradict each other, such as '{}' and '{}': {here:.3} apart on the template, {there:.3} on the person; look for swapped points",
-            torn.len(),
-            b.label,
-            a.label
-        ));
-    }
-    Ok(())
+    let few = (1..FEW_MARKERS).contains(&count) && data.landmarks.len() < FEW_MARKERS;
+    few.then(|| {
+        let text = format!(
+            "there are only {count} markers; where none is near, the shape is a smooth guess"
+        );
+        Finding::new(Concern::Amount, Severity::Note, text)
+    })
 }
 
 /// Attachments hold the body; on one line they leave it free to turn around that line.
-fn check_attachments(data: &Data) -> Result<()> {
+fn attachments(data: &Data) -> Option<Finding> {
     if data.attachments.is_empty() {
-        return Ok(());
+        return None;
     }
     let mut points: Vec<Vec3> = data.attachments.iter().map(|a| a.position).collect();
     points.extend(data.fixed.iter().map(|&v| data.surface.0.points[v as usize]));
-    if off_line(&points) > COLLINEAR * diagonal(&points).max(f64::MIN_POSITIVE) {
-        return Ok(());
-    }
-    Err(Error::invalid(format!(
-        "the {} attachments lie on one line or at one point, so the body can turn around it; add an attachment or a fixed point beside that line",
-        data.attachments.len()
-    )))
+    (off_line(&points) <= COLLINEAR * diagonal(&points).max(f64::MIN_POSITIVE)).then(|| {
+        Finding::new(Concern::Attachments, Severity::Refused, format!(
+            "the {} attachments lie on one line or at one point, so the body can turn around it; add an attachment or a fixed point beside that line",
+            data.attachments.len()
+        ))
+    })
 }
 
 /// Largest distance from the line through the first point and the one farthest from it.
@@ -231,6 +116,7 @@ fn off_line(points: &[Vec3]) -> f64 {
 mod tests {
     use super::*;
     use crate::mesh::test_shapes::cube;
+    use crate::reshape::findings::Remedy;
 
     /// All that [`Data`] refers to.
     struct Inputs {
@@ -256,15 +142,20 @@ mod tests {
         }
     }
 
+    impl Inputs {
+        fn data(&self) -> Data<'_> {
+            Data {
+                surface: (&self.surface, "box.obj"),
+                markers: &self.markers,
+                landmarks: &self.landmarks,
+                attachments: &self.attachments,
+                fixed: &self.fixed,
+            }
+        }
+    }
+
     fn inspected(inputs: &Inputs) -> Result<Vec<String>> {
-        let data = Data {
-            surface: (&inputs.surface, "box.obj"),
-            markers: &inputs.markers,
-            landmarks: &inputs.landmarks,
-            attachments: &inputs.attachments,
-            fixed: &inputs.fixed,
-        };
-        inspect_data(&data, None)
+        inspect_data(&inputs.data(), None)
     }
 
     fn pair(label: &str, position: [f64; 3], target: [f64; 3]) -> Pair {
@@ -316,6 +207,36 @@ mod tests {
         assert!(text.contains("one of the files is in LPS, the other in RAS"), "{text}");
         let text = warnings(|i| i.markers.iter_mut().for_each(|m| m.z += 40.0));
         assert!(text.contains("more than half its size; move the template"), "{text}");
+    }
+
+    #[test]
+    fn usual_mistakes_are_found_with_what_undoes_them() {
+        let y_up = |p: &Vec3| Vec3::new(p.x, p.z, -p.y);
+        let centimetres = |p: &Vec3| p / 10.0;
+        let negated = |p: &Vec3| Vec3::new(-p.x, -p.y, p.z);
+        let check = |concern, change: &dyn Fn(&Vec3) -> Vec3| {
+            let mut inputs = inputs();
+            let right = inputs.surface.points.clone();
+            inputs.surface.points = right.iter().map(change).collect();
+            let found = inspect(&inputs.data(), None);
+            let [Finding { concern: own, remedy: Some(Remedy::Move(motion)), .. }] = &found[..]
+            else {
+                panic!("{found:?}")
+            };
+            assert_eq!(*own, concern, "{found:?}");
+            for (p, r) in inputs.surface.points.iter().zip(&right) {
+                assert!(
+                    (motion.transform_point(&(*p).into()).coords - r).norm() < 1e-9,
+                    "{found:?}"
+                );
+            }
+        };
+        check(Concern::UpAxis, &y_up);
+        check(Concern::Frame, &negated);
+        check(Concern::UpAxis, &|p| negated(&y_up(p)));
+        check(Concern::Unit, &centimetres);
+        check(Concern::Unit, &|p| p * 1000.0);
+        check(Concern::Unit, &|p| y_up(&centimetres(p)));
     }
 
     #[test]

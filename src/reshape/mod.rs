@@ -2,11 +2,13 @@
 
 mod affine_start;
 mod carried_surface;
+mod conflicts;
 mod correspondences;
 mod coverage;
 mod damping;
 mod data_terms;
 mod earlier;
+mod findings;
 mod folds;
 mod formulation;
 mod gauss_newton;
@@ -15,6 +17,7 @@ mod legs;
 mod linearization;
 mod marker_groups;
 mod markers;
+mod misplaced;
 mod numbering;
 mod objective;
 mod options;
@@ -36,8 +39,9 @@ mod test_problems;
 mod trial;
 mod woodbury;
 
+pub use findings::{Concern, Finding, Remedy, Severity};
 pub use gauss_newton::{Direction, NormalEquations};
-pub use inspect::{Data, inspect_data};
+pub use inspect::{Data, inspect, inspect_data};
 pub use legs::{reshape, reshape_again};
 pub use linearization::Linearization;
 pub use options::{Options, Tolerances};

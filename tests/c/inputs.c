@@ -34,6 +34,12 @@ static void pairs_and_fixed(const char *folder) {
     char path[300], text[2000];
     MlgTriMesh *mesh = sphere_mesh(points), *bone = NULL, *bone_there = NULL;
     MlgReshaping *problem = sphere_problem(points, 200);
+    const double places[15] = {-0.9, 0, 0, 0.9, 0.1, 0, 0, 0.8, 0.3, 0.2, 0, -0.9, 0.1, -0.7, 0.5};
+    const char *const names[5] = {"left", "right", NULL, NULL, NULL};
+    const uint32_t missing = 4294967295u;
+    int exchanges = 0;
+    MlgFindings *findings = NULL;
+    MlgFinding finding;
     MlgPairs *pairs = NULL;
     size_t count = 0, length = 0, i;
     make_sphere(points, triangles);
@@ -52,6 +58,42 @@ static void pairs_and_fixed(const char *folder) {
     CHECK(mlg_reshaping_set_landmark_pairs(problem, pairs, &error) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(mlg_reshaping_check(problem, text, sizeof text, &length, &error) == MLG_STATUS_OK);
     CHECK(length == 0 && text[0] == 0);
+
+    /* Markers in another unit: what mends it is told, row by row. */
+    count = ellipsoid_markers(points, moved);
+    for (i = 0; i < 3 * count; ++i) moved[i] *= 1000;
+    CHECK(mlg_tri_mesh_inspect(mesh, moved, count, NULL, NULL, NULL, 0, &findings, &error) == MLG_STATUS_OK);
+    CHECK(mlg_findings_count(findings) == 1);
+    finding.struct_size = sizeof finding;
+    CHECK(mlg_findings_get(findings, 0, &finding, &error) == MLG_STATUS_OK);
+    CHECK(strcmp(mlg_concern_name(finding.concern), "UNIT") == 0);
+    CHECK(strcmp(mlg_severity_name(finding.severity), "REFUSED") == 0);
+    CHECK(finding.distance > 500 && finding.mended_distance < 500 && finding.has_exchange == 0);
+    CHECK(finding.has_motion == 1 && finding.motion[0] == 1000 && finding.motion[15] == 1);
+    CHECK(strstr(mlg_findings_text(findings, 0), "metres beside millimetres") != NULL);
+    CHECK(mlg_findings_text(findings, 1) == NULL);
+    CHECK(mlg_findings_get(findings, 1, &finding, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strcmp(mlg_concern_name(99), "UNKNOWN") == 0 && strcmp(mlg_severity_name(9), "UNKNOWN") == 0);
+    mlg_findings_free(findings);
+    CHECK(mlg_findings_count(findings) == 0);
+
+    /* Two landmarks with each other's targets are named, and how they are mended. */
+    memcpy(moved, places, sizeof places);
+    memcpy(moved, places + 3, 3 * sizeof *moved);
+    memcpy(moved + 3, places, 3 * sizeof *moved);
+    CHECK(mlg_pairs_new(places, moved, NULL, names, 5, &pairs, &error) == MLG_STATUS_OK);
+    CHECK(strcmp(mlg_pairs_label(pairs, 0), "left") == 0 && strcmp(mlg_pairs_label(pairs, 2), "2") == 0);
+    CHECK(mlg_tri_mesh_inspect(mesh, NULL, 0, pairs, NULL, NULL, 0, &findings, &error) == MLG_STATUS_OK);
+    for (i = 0; i < mlg_findings_count(findings); ++i) {
+        CHECK(mlg_findings_get(findings, i, &finding, &error) == MLG_STATUS_OK);
+        exchanges += finding.concern == MLG_CONCERN_EXCHANGE && finding.has_exchange == 1 &&
+                     finding.first == 0 && finding.second == 1 &&
+                     strstr(mlg_findings_text(findings, i), "'left' and 'right'") != NULL;
+    }
+    CHECK(exchanges == 1);
+    mlg_findings_free(findings);
+    CHECK(mlg_tri_mesh_inspect(mesh, NULL, 0, NULL, pairs, &missing, 1, &findings, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    mlg_pairs_free(pairs);
 
     /* The same places with other targets cannot be. */
     write_file(path, "vertex,target_x,target_y,target_z\n0,0,0,0.8\n0,0,1,0\n");

@@ -82,6 +82,16 @@ int main() {
 
     // Distances, placing, tets on a thread.
     CHECK(mesh.check().empty() && problem.check().empty());
+    for (double &coordinate : markers) coordinate /= 1000;
+    const std::vector<double> place = {1, 0, 0};
+    const char *const name[] = {"right"};
+    const moulage::Pairs own(place, place, {}, moulage::View<const char *>(name, 1));
+    CHECK(own.label(0) == "right" && own.targets()[0] == 1);
+    const moulage::Findings findings = moulage::Findings::of(mesh, markers);
+    CHECK(moulage::Findings::of(mesh, {}, own).concern_name(0) == "AMOUNT");
+    CHECK(findings.size() == 1 && findings[0].has_motion == 1);
+    CHECK(findings.concern_name(0) == "UNIT" && findings.severity_name(0) == "REFUSED");
+    CHECK(findings.text(0).find("metres beside millimetres") != std::string::npos);
     CHECK(mesh.distances_to(markers).size() == POINTS);
     CHECK(mesh.distances_of(mesh.points())[5] < 1e-12);
     CHECK(result.max_stretches()[0] >= result.min_stretches()[0]);

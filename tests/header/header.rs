@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The files in the order of the manual: what a section names was declared before it.
-const SECTIONS: [&str; 25] = [
+const SECTIONS: [&str; 26] = [
     "version",
     "boundary",
     "mesh",
@@ -19,6 +19,7 @@ const SECTIONS: [&str; 25] = [
     "reshaping",
     "pairs",
     "placing",
+    "findings",
     "reshaping_run",
     "result",
     "result_distances",

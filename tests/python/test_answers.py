@@ -29,6 +29,26 @@ class Answers(unittest.TestCase):
         path.write_text(text)
         return path
 
+    def test_findings_tell_what_mends_them(self):
+        self.assertEqual(moulage.inspect(moulage.TriMesh(self.points, self.triangles), numpy.vstack([self.points] * 2)), [])
+        far = self.points * (1, 2, 3) + (40, 30, 20)
+        turned = far @ [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+        (found,) = moulage.inspect(moulage.TriMesh(turned, self.triangles), numpy.vstack([far, far]))
+        self.assertEqual((found.concern, found.severity, found.exchange), ("up_axis", "refused", None))
+        self.assertRegex(found.text, "turned from . up to . up")
+        numpy.testing.assert_allclose(turned @ found.motion[:3, :3].T + found.motion[:3, 3], far, atol=1e-9)
+        self.assertGreater(found.distance, 10 * found.mended_distance)
+        places = far[[0, 1, 2, 4, 7]]
+        pairs = moulage.Pairs(places, places[[1, 0, 2, 3, 4]], labels=["left", "right", None, None, None])
+        self.assertEqual(pairs.labels, ["left", "right", "2", "3", "4"])
+        (found,) = moulage.inspect(moulage.TriMesh(far, self.triangles), landmarks=pairs)
+        self.assertEqual((found.concern, found.exchange, found.motion), ("exchange", (0, 1), None))
+        self.assertIn("'left' and 'right'", found.text)
+        with self.assertRaisesRegex(ValueError, "3 targets for 2"):
+            moulage.Pairs(places[:2], places[:3])
+        with self.assertRaisesRegex(moulage.Error, "vertex 8 does not exist"):
+            moulage.inspect(moulage.TriMesh(far, self.triangles), far, fixed=[8])
+
     def test_distances_of_and_to_a_surface(self):
         numpy.testing.assert_allclose(self.surface.distances_of([[0.5, 0.5, 3], [0.5, 0.5, 0.5]]), [2, 0.5])
         numpy.testing.assert_allclose(self.surface.distances_to([[0, 0, 2]]), numpy.linalg.norm(self.points - (0, 0, 2), axis=1))

@@ -28,7 +28,7 @@ class Refusals(unittest.TestCase):
     def test_two_units(self):
         template = scenes.ball_and_markers()
         template.moulage.markers.scale = (1000.0,) * 3
-        self.refused("times larger")
+        self.refused("their files are in two units")
 
     def test_a_group_that_is_not_there(self):
         scenes.ball_and_markers().moulage.fixed_group = "no such group"
