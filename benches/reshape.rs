@@ -309,7 +309,7 @@ fn again() {
                 let v = k * vertices / 8;
                 let target = person(&problem.surface.points[v], diagonal);
                 let template = TemplatePoint::Vertex(v as u32);
-                Landmark { label: k.to_string(), template, target, weight: 1.0 }
+                Landmark { label: k.to_string(), template, target, weight: 1.0, within: None }
             })
             .collect();
         let start = Instant::now();

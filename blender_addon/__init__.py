@@ -45,8 +45,13 @@ def _draw_slices(*_arguments):
 
 
 @persistent
+def _after_undo(*_arguments):
+    live_edit.after_undo(bpy.context)
+
+
+@persistent
 def _after_loading(*_arguments):
-    # Results are not kept in files.
+    # What live editing goes on from is not kept in files: it is found once more when it is switched on.
     bpy.context.window_manager.moulage.live_edit = False
 
 
@@ -60,8 +65,8 @@ def _follow_slices(*_arguments):
 
 _handlers = (
     ("load_pre", _before_another_file), ("load_post", _draw_slices), ("load_post", _after_loading),
-    ("undo_post", _draw_slices),
-    ("redo_post", _draw_slices), ("depsgraph_update_post", _follow_slices),
+    ("undo_post", _draw_slices), ("undo_post", _after_undo),
+    ("redo_post", _draw_slices), ("redo_post", _after_undo), ("depsgraph_update_post", _follow_slices),
 )
 
 

@@ -11,6 +11,8 @@ from . import mesh_data, views
 
 # An empty's size as a share of the template's diagonal.
 _EMPTY_SIZE = 0.012
+# What the circle on the person had for a size when it was made.
+_USUAL_SIZE = "moulage_size"
 
 
 def collection_of(context, template):
@@ -44,15 +46,22 @@ def flipped(name):
     return other if other != name else None
 
 
+def without_partner(template):
+    """The landmarks with a side whose partner on the other side is not there."""
+    there = {landmark.name for landmark in template.moulage.landmarks}
+    return [
+        landmark for landmark in template.moulage.landmarks
+        if landmark.template is not None and flipped(landmark.name) not in {None, *there}
+    ]
+
+
 def mirror(context, template, surface):
     """For each landmark with a side, its partner on the other side of the template's own x = 0, where there is
     none; on the surface, at the place nearest to the mirrored one. Returns their names. `surface`: the places
     nearest to world points at rest."""
     own = template.matrix_world
-    there = {landmark.name for landmark in template.moulage.landmarks}
     wanted = [
-        (flipped(l.name), own.inverted_safe() @ l.template.matrix_world.translation)
-        for l in template.moulage.landmarks if l.template is not None and flipped(l.name) not in {None, *there}
+        (flipped(l.name), own.inverted_safe() @ l.template.matrix_world.translation) for l in without_partner(template)
     ]
     for name, place in wanted:
         add(context, template, name, template_point=surface(own @ mathutils.Vector((-place.x, place.y, place.z))))
@@ -68,6 +77,24 @@ def _empty(context, template, name, shape):
     empty.show_in_front = True
     collection_of(context, template).objects.link(empty)
     return empty
+
+
+def show_hold(landmark):
+    """Lets the circle on the person be as large as the distance that is allowed."""
+    empty = landmark.target
+    if empty is None:
+        return
+    usual = empty.get(_USUAL_SIZE, empty.empty_display_size)
+    empty[_USUAL_SIZE] = usual
+    sizes = {"EXACT": 0.5 * usual, "WITHIN": landmark.within or 0.5 * usual, "HINT": usual}
+    empty.empty_display_size = sizes[landmark.hold]
+
+
+def within(template):
+    """How far each landmark that is used may end from its target, whatever the markers say (n,); below 0 where the
+    markers may say otherwise."""
+    lengths = {"EXACT": lambda _: 0.0, "WITHIN": lambda landmark: landmark.within, "HINT": lambda _: -1.0}
+    return numpy.array([lengths[landmark.hold](landmark) for landmark in used(template)])
 
 
 def set_template_point(context, template, landmark, point):

@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import landmarks, library, properties, runs, scan, solve, units
+from . import landmarks, library, properties, runs, scan, units
 from .library import Wrong
 
 
@@ -131,11 +131,12 @@ class MOULAGE_PT_labels(NeedsTemplate, bpy.types.Panel):
 
 class MOULAGE_UL_landmarks(bpy.types.UIList):
     def draw_item(self, context, layout, _data, item, _icon, _active, _property):
-        split = layout.split(factor=0.68, align=True)
+        half = item.template is None or item.target is None
+        split = layout.split(factor=0.75, align=True) if half or item.residual >= 0 else layout
         row = split.row(align=True)
         row.prop(item, "use", text="")
-        row.prop(item, "name", text="", emboss=False)
-        if item.template is None or item.target is None:
+        row.prop(item, "name", text="", emboss=False, icon=properties.HOLD_ICONS[item.hold])
+        if half:
             split.label(text="half")
         elif item.residual >= 0:
             # The unit would not fit; the line below the list has it.
@@ -166,26 +167,29 @@ class MOULAGE_PT_landmarks(NeedsTemplate, bpy.types.Panel):
         layout = self.layout
         template = properties.template_of(context)
         data = template.moulage
-        layout.operator("moulage.pick_landmarks", icon="EYEDROPPER")
+        row = layout.row(align=True)
+        row.operator("moulage.pick_landmarks", icon="EYEDROPPER")
         if data.landmarks:
-            row = layout.row()
-            row.template_list("MOULAGE_UL_landmarks", "", data, "landmarks", data, "active_landmark", rows=4)
-            side = row.column(align=True)
-            side.operator("moulage.remove_landmark", text="", icon="REMOVE").all = False
-            side.operator("moulage.remove_landmark", text="", icon="TRASH").all = True
+            row.operator("moulage.remove_landmark", text="", icon="REMOVE").all = False
+            row.operator("moulage.remove_landmark", text="", icon="TRASH").all = True
+            layout.template_list("MOULAGE_UL_landmarks", "", data, "landmarks", data, "active_landmark", rows=4)
             if data.active_landmark < len(data.landmarks):
                 item = data.landmarks[data.active_landmark]
                 if item.residual >= 0:
                     write(layout, context, f"{item.name}: {units.text(context.scene, item.residual)} off")
-                layout.prop(item, "weight")
+                layout.prop(item, "hold", text="")
+                if item.hold == "WITHIN":
+                    layout.prop(item, "within")
+                elif item.hold == "HINT":
+                    layout.prop(item, "weight")
         row = layout.row(align=True)
         row.operator("moulage.import_landmarks", text="Import", icon="IMPORT")
         row.operator("moulage.export_landmarks", text="Export", icon="EXPORT")
-        if any(landmarks.flipped(item.name) for item in data.landmarks):
+        if landmarks.without_partner(template):
             layout.operator("moulage.mirror_landmarks", icon="MOD_MIRROR")
-        row = layout.row(align=True)
-        row.operator("moulage.place_template", text="Place", icon="ORIENTATION_GLOBAL").scale = False
-        row.operator("moulage.place_template", text="Place and Scale").scale = True
+        column = layout.column(align=True)
+        column.operator("moulage.place_template", text="Place", icon="ORIENTATION_GLOBAL").scale = False
+        column.operator("moulage.place_template", text="Place and Scale", icon="FULLSCREEN_ENTER").scale = True
         missing = 3 - len(landmarks.used(template))
         if missing > 0 and data.markers is None and data.marker_empties is None:
             write(layout, context, f"Click {missing} more pair{'s' if missing > 1 else ''}, or add markers.", "INFO")
@@ -227,7 +231,8 @@ class MOULAGE_PT_reshape(NeedsTemplate, bpy.types.Panel):
         if runs.is_running():
             draw_run(context, layout)
             return
-        data = properties.template_of(context).moulage
+        template = properties.template_of(context)
+        data = template.moulage
         column = layout.column()
         column.use_property_split = True
         column.use_property_decorate = False
@@ -236,7 +241,8 @@ class MOULAGE_PT_reshape(NeedsTemplate, bpy.types.Panel):
         if data.attachments:
             column.prop(data, "attachment_tolerance")
         if data.tolerance == 0.0:
-            write(layout, context, "0: a thousandth of the template's size.")
+            usual = units.text(context.scene, template.dimensions.length / 1000)
+            write(layout, context, f"0: a thousandth of the template's size, about {usual}.")
         row = layout.row()
         row.scale_y = 1.5
         row.operator("moulage.reshape", icon="PLAY")
@@ -322,7 +328,6 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
             row.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
         layout.operator("moulage.copy_result", icon="DUPLICATE")
         row = layout.row()
-        row.enabled = solve.can_go_on(template)
         row.prop(context.window_manager.moulage, "live_edit", toggle=True, icon="MOD_SIMPLEDEFORM")
 
     def _figures(self, context, layout, kept):
@@ -332,6 +337,8 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
             mean, largest = (units.text(context.scene, v) for v in (kept.mean_distance, kept.max_distance))
             column.label(text=f"Markers: mean {mean},")
             column.label(text=f"largest {largest}")
+            if kept.mean_before >= 0:
+                column.label(text=f"before editing {units.text(context.scene, kept.mean_before)}")
         column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
         if kept.inverted_tets:
             column.label(text=f"{kept.inverted_tets} inverted tets: folded there", icon="ERROR")

@@ -24,6 +24,7 @@ class Inputs:
     markers: numpy.ndarray = None
     landmarks: tuple = ()
     landmark_names: list = field(default_factory=list)
+    within: numpy.ndarray = None
     attachments: tuple = ()
     fixed: numpy.ndarray = None
     options: dict = field(default_factory=dict)
@@ -36,7 +37,7 @@ class Inputs:
     def asks_the_same(self, other):
         """Whether another run would find the same shape."""
         arrays = [
-            (self.markers, other.markers), *zip(self.landmarks, other.landmarks),
+            (self.markers, other.markers), (self.within, other.within), *zip(self.landmarks, other.landmarks),
             *zip(self.attachments, other.attachments), (self.fixed, other.fixed),
         ]
         same = all(numpy.array_equal(a, b) for a, b in arrays)
@@ -68,6 +69,7 @@ def gather(context, template):
     inputs.markers = markers.points(template)
     inputs.landmarks = landmarks.pairs(template)
     inputs.landmark_names = [l.name for l in landmarks.used(template)]
+    inputs.within = landmarks.within(template)
     inputs.attachments = attachments.pairs(template, inputs.points, inputs.triangles)
     inputs.fixed = _fixed(template)
     inputs.options = _options(context, data)

@@ -8,7 +8,7 @@ from bpy.props import (
     PointerProperty, StringProperty,
 )
 
-from . import identity, live_edit, scan
+from . import identity, landmarks, live_edit, scan
 from .library import Wrong
 
 
@@ -27,6 +27,20 @@ METHODS = [
 ]
 
 
+HOLDS = [
+    ("EXACT", "Hold Exactly", "The template goes to this place, whatever the markers say", "PINNED", 0),
+    ("WITHIN", "Within a Distance", "The template ends at most so far from this place, whatever the markers say", "CON_DISTLIMIT", 1),
+    ("HINT", "Hint", "Weighed against the markers; lost where they contradict it", "UNPINNED", 2),
+]
+
+
+HOLD_ICONS = {name: icon for name, _label, _description, icon, _number in HOLDS}
+
+
+def _show_hold(self, _context):
+    landmarks.show_hold(self)
+
+
 class MOULAGE_PG_landmark(bpy.types.PropertyGroup):
     """One place, on the template and on the person."""
 
@@ -34,7 +48,18 @@ class MOULAGE_PG_landmark(bpy.types.PropertyGroup):
     template: PointerProperty(name="On the template", type=bpy.types.Object)
     target: PointerProperty(name="On the person", type=bpy.types.Object)
     use: BoolProperty(name="Use", description="Whether the landmark takes part", default=True)
-    weight: FloatProperty(name="Weight", description="Relative weight", default=1.0, min=0.0, soft_max=10.0)
+    hold: EnumProperty(
+        name="Strength", description="How the template is held at this place", items=HOLDS, default="HINT",
+        update=_show_hold,
+    )
+    within: FloatProperty(
+        name="Distance", description="How far from this place the template may end", subtype="DISTANCE", default=2.0,
+        min=0.0, update=_show_hold,
+    )
+    weight: FloatProperty(
+        name="Weight", description="Of a hint, beside the others: 2 counts like two of them", default=1.0, min=0.0,
+        soft_max=10.0,
+    )
     residual: FloatProperty(
         name="Residual", description="How far off the last run left it; below 0: not known", default=-1.0
     )
@@ -93,6 +118,9 @@ class MOULAGE_PG_result(bpy.types.PropertyGroup):
     warnings: StringProperty(description="What may be a mistake, one sentence per line")
     mean_distance: FloatProperty(default=-1.0)
     max_distance: FloatProperty(default=-1.0)
+    mean_before: FloatProperty(
+        description="The mean distance of the last whole run, if live editing came after it; else below 0", default=-1.0
+    )
     iterations: IntProperty()
     inverted_tets: IntProperty()
     seconds: FloatProperty()

@@ -65,6 +65,7 @@ class Solve(Running):
         reshaping = moulage().Reshaping(tets)
         reshaping.set_markers(inputs.markers)
         reshaping.set_landmarks(*inputs.landmarks)
+        reshaping.set_pins(inputs.within)
         reshaping.set_attachments(*inputs.attachments)
         reshaping.set_fixed(inputs.fixed)
         if self._earlier is None:
@@ -127,6 +128,11 @@ class Solve(Running):
             _results[self.inputs.uid] = self.inputs.key(), self.inputs.options, found
             seconds = time.monotonic() - self.started
             warnings = [row.text for row in template.moulage.doubts] + ([] if self._is_up_to_date(context, template) else [_OUT_OF_DATE])
+            data = template.moulage.result
+            if self._earlier is None:
+                data.mean_before = -1.0
+            elif data.mean_before < 0:
+                data.mean_before = data.mean_distance
             said = result.write(context, template, self.inputs, self._before, found, warnings, seconds)
             kept_tets.keep(template, self.inputs.frame, found.points, found.tet_points, self._tets.tets)
             return said

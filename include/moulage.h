@@ -897,6 +897,16 @@ MlgStatus mlg_reshaping_set_landmarks_at_vertices(MlgReshaping *problem,
                                                   MlgError *error);
 
 /**
+ * Makes landmarks pins: they end within a distance of their targets, whatever the markers say. `within`:
+ * `count` lengths, as many as there are landmarks; 0: at the target itself; below 0: no pin, weighed
+ * against the markers by the `landmark_tolerance`. Other landmarks forget it.
+ */
+MlgStatus mlg_reshaping_set_pins(MlgReshaping *problem,
+                                 const double *within,
+                                 size_t count,
+                                 MlgError *error);
+
+/**
  * Sets the attachments: template points that are held at their targets mechanically, such as the
  * places where a muscle grows on a bone. Replaces earlier ones. Arrays as for
  * `mlg_reshaping_set_landmarks`.
@@ -957,7 +967,7 @@ MlgStatus mlg_pairs_new(const double *template_points,
 
 /**
  * Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
- * `target_x,target_y,target_z`; or a marker file with points on the template, if `person_path` is
+ * `target_x,target_y,target_z`, and where they are there `label`, `weight`, `within`; or a marker file with points on the template, if `person_path` is
  * the marker file with the same labels on the person (else NULL). `template_surface`: where the
  * places are looked up. Free with `mlg_pairs_free`.
  */
@@ -1017,6 +1027,13 @@ const double *mlg_pairs_targets(const MlgPairs *pairs, size_t *out_count);
  * not valid. `out_count`: may be NULL.
  */
 const double *mlg_pairs_weights(const MlgPairs *pairs, size_t *out_count);
+
+/**
+ * How far each landmark that is a pin may end from its target, below 0 for those that are none:
+ * `*out_count` numbers, borrowed until the pairs are freed. NULL for a handle that is not valid.
+ * `out_count`: may be NULL.
+ */
+const double *mlg_pairs_within(const MlgPairs *pairs, size_t *out_count);
 
 /**
  * The name of one pair: UTF-8, borrowed until the pairs are freed. NULL if `index` is not below the

@@ -97,6 +97,7 @@ fn pairs(
             template: TemplatePoint::Vertex(i as u32),
             target: truth(i, p),
             weight: 1.0,
+            within: None,
         })
         .collect()
 }

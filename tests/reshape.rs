@@ -65,6 +65,7 @@ fn at_vertex(vertex: usize, target: Vec3) -> Landmark {
         template: TemplatePoint::Vertex(vertex as u32),
         target,
         weight: 1.0,
+        within: None,
     }
 }
 

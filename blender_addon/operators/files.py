@@ -78,9 +78,15 @@ class MOULAGE_OT_import_landmarks(NeedsTemplate, bpy.types.Operator, ImportHelpe
         with calls() as library:
             surface = library.TriMesh(inputs.points / self.scale, inputs.triangles)
             found = library.Pairs.load_landmarks(surface, self.filepath, person)
-        rows = zip(found.labels, found.template_points * self.scale, found.targets * self.scale, found.weights)
-        for label, point, target, weight in rows:
-            landmarks.add(context, template, label, point, target).weight = weight
+        rows = zip(
+            found.labels, found.template_points * self.scale, found.targets * self.scale, found.weights,
+            found.within * self.scale,
+        )
+        for label, point, target, weight, within in rows:
+            landmark = landmarks.add(context, template, label, point, target)
+            landmark.weight = weight
+            if within >= 0:
+                landmark.hold, landmark.within = "WITHIN" if within > 0 else "EXACT", within
         landmarks.hide_parent_lines(context)
         preflight.look(context, template)
         self.report({"INFO"}, f"{len(found.weights)} landmarks read. {found.warning or ''}".strip())

@@ -61,6 +61,8 @@ public:
     MOULAGE_LENDS(std::uint32_t, template_vertices, mlg_pairs_template_vertices, 1)
     MOULAGE_LENDS(double, targets, mlg_pairs_targets, 3)
     MOULAGE_LENDS(double, weights, mlg_pairs_weights, 1)
+    /** Of pins, how far they may end from their targets; below 0 where a landmark is none. */
+    MOULAGE_LENDS(double, within, mlg_pairs_within, 1)
     std::string label(std::size_t number) const {
         return text_or_empty(mlg_pairs_label(as_const(), number));
     }

@@ -106,6 +106,10 @@ public:
     void set_landmarks(const Pairs &pairs) {
         call(mlg_reshaping_set_landmark_pairs, get(), pairs.as_const());
     }
+    /** How far each landmark may end from its target, whatever the markers say; below 0: no pin. */
+    void set_pins(View<double> within) {
+        call(mlg_reshaping_set_pins, get(), within.data, within.size);
+    }
     void set_attachments(View<double> places, View<double> targets, View<double> weights = {}) {
         set_pairs(mlg_reshaping_set_attachments, places, 3, targets, weights);
     }

@@ -213,6 +213,11 @@ class Pairs(Handle):
         return native.floats("pairs_weights", self, 1)
 
     @property
+    def within(self) -> NDArray[numpy.float64]:
+        """How far each pin may end from its target, shape (n,); below 0 where a landmark is none."""
+        return native.floats("pairs_within", self, 1)
+
+    @property
     def labels(self) -> list[str | None]:
         """The name of each, or None."""
         return [native.label("pairs_label", self, i) for i in range(len(self.weights))]

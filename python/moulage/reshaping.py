@@ -135,6 +135,18 @@ class Reshaping(Handle):
         """
         self._pairs("landmark", template_points, targets, weights)
 
+    def set_pins(self, within: ArrayLike) -> None:
+        """Make landmarks pins: they end within a distance of their targets, whatever the markers say.
+
+        Parameters
+        ----------
+        within : array_like, shape (n,)
+            A length for each landmark that was set; 0: at the target itself; below 0: no pin, weighed against the
+            markers by the ``landmark_tolerance``.
+        """
+        lengths = array(within, 1, numpy.float64, "within")
+        native.call("reshaping_set_pins", self, address(lengths), len(lengths))
+
     def set_landmarks_at_vertices(
         self, vertices: ArrayLike, targets: ArrayLike, weights: ArrayLike | None = None
     ) -> None:

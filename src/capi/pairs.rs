@@ -26,6 +26,7 @@ struct Pairs {
     vertices: Vec<u32>,
     targets: Vec<Vec3>,
     weights: Vec<f64>,
+    within: Vec<f64>,
     labels: Vec<CString>,
     warning: Option<CString>,
 }
@@ -38,6 +39,7 @@ impl Pairs {
             vertices: pairs.iter().map(|p| p.vertex.unwrap_or(MLG_NO_VERTEX)).collect(),
             targets: pairs.iter().map(|p| p.target).collect(),
             weights: pairs.iter().map(|p| p.weight).collect(),
+            within: pairs.iter().map(|p| p.within.unwrap_or(-1.0)).collect(),
             labels: pairs.iter().map(label).collect(),
             warning: warning.and_then(|w| CString::new(w).ok()),
             list: pairs,
@@ -77,6 +79,7 @@ pub unsafe extern "C" fn mlg_pairs_new(
             vertex: None,
             target: targets[i],
             weight: weights[i],
+            within: None,
         };
         Ok(Pairs::new(places.into_iter().enumerate().map(pair).collect(), None))
     })
@@ -91,7 +94,7 @@ pub(super) fn list_or_none(pairs: *const MlgPairs, name: &str) -> Outcome<Vec<Pa
 }
 
 /// Reads landmarks. `path`: a CSV file with `template_x,template_y,template_z` or `vertex`, and
-/// `target_x,target_y,target_z`; or a marker file with points on the template, if `person_path` is
+/// `target_x,target_y,target_z`, and where they are there `label`, `weight`, `within`; or a marker file with points on the template, if `person_path` is
 /// the marker file with the same labels on the person (else NULL). `template_surface`: where the
 /// places are looked up. Free with `mlg_pairs_free`.
 #[unsafe(no_mangle)]
@@ -203,6 +206,17 @@ pub unsafe extern "C" fn mlg_pairs_weights(
     out_count: *mut usize,
 ) -> *const f64 {
     access::lend(pairs, out_count, |pairs: &Pairs| &pairs.weights)
+}
+
+/// How far each landmark that is a pin may end from its target, below 0 for those that are none:
+/// `*out_count` numbers, borrowed until the pairs are freed. NULL for a handle that is not valid.
+/// `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_within(
+    pairs: *const MlgPairs,
+    out_count: *mut usize,
+) -> *const f64 {
+    access::lend(pairs, out_count, |pairs: &Pairs| &pairs.within)
 }
 
 /// The name of one pair: UTF-8, borrowed until the pairs are freed. NULL if `index` is not below the

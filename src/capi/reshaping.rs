@@ -239,6 +239,31 @@ pub unsafe extern "C" fn mlg_reshaping_set_landmarks_at_vertices(
     })
 }
 
+/// Makes landmarks pins: they end within a distance of their targets, whatever the markers say. `within`:
+/// `count` lengths, as many as there are landmarks; 0: at the target itself; below 0: no pin, weighed
+/// against the markers by the `landmark_tolerance`. Other landmarks forget it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_reshaping_set_pins(
+    problem: *mut MlgReshaping,
+    within: *const f64,
+    count: usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    access::with((problem, "problem"), error, |problem: &ProblemObject| {
+        // SAFETY: the caller's promise (see the module).
+        let within = unsafe { buffers::numbers(within, count, "within")? };
+        let mut problem = problem.lock();
+        let landmarks = problem.landmarks.len();
+        if count != landmarks {
+            return Err(Failure::invalid(format!("{count} lengths for {landmarks} landmarks")));
+        }
+        for (landmark, within) in problem.landmarks.iter_mut().zip(within) {
+            landmark.within = (within >= 0.0).then_some(within);
+        }
+        Ok(())
+    })
+}
+
 /// Sets the attachments: template points that are held at their targets mechanically, such as the
 /// places where a muscle grows on a bone. Replaces earlier ones. Arrays as for
 /// `mlg_reshaping_set_landmarks`.
@@ -354,6 +379,7 @@ unsafe fn pairs(
         template,
         target,
         weight,
+        within: None,
     };
     Ok(places.into_iter().zip(targets).zip(weights).enumerate().map(pair).collect())
 }

@@ -22,6 +22,8 @@ pub struct Landmark {
     pub target: Vec3,
     /// Relative weight, zero or more.
     pub weight: Option<f64>,
+    /// How far it may end from its target whatever the markers say, zero or more.
+    pub within: Option<f64>,
 }
 
 /// A place where the template is attached to something else, such as a muscle to a bone.
@@ -55,7 +57,7 @@ pub fn read_landmarks(path: &Path) -> Result<Vec<Landmark>> {
 }
 
 /// Reads columns `template_x,template_y,template_z` or `vertex` (from 0), and
-/// `target_x,target_y,target_z`; `label` and `weight` where they are there. Lines whose target is
+/// `target_x,target_y,target_z`; `label`, `weight` and `within` where they are there. Lines whose target is
 /// empty are left out.
 pub fn parse_landmarks(bytes: &[u8], path: &Path) -> Result<Vec<Landmark>> {
     let table = Table::parse(bytes, path)?;
@@ -65,6 +67,7 @@ pub fn parse_landmarks(bytes: &[u8], path: &Path) -> Result<Vec<Landmark>> {
         .ok_or_else(|| table.missing("target_x, target_y and target_z"))?;
     let label = table.column(&["label", "name", "id"]);
     let weight = table.column(&["weight"]);
+    let within = table.column(&["within"]);
     table
         .rows()
         .filter(|row| target.iter().any(|&c| row.text(c).is_some()))
@@ -74,6 +77,7 @@ pub fn parse_landmarks(bytes: &[u8], path: &Path) -> Result<Vec<Landmark>> {
                 anchor: anchor.read(row, path)?,
                 target: row.point(target)?,
                 weight: row.size(weight)?,
+                within: row.size(within)?,
             })
         })
         .collect()
@@ -183,6 +187,7 @@ fn pair(
             },
             target: target.position,
             weight: target.weight.or(marker.weight),
+            within: None,
         });
     }
     paired.unpaired.extend(on_target.iter().map(|(label, _)| (*label).to_owned()));

@@ -151,7 +151,14 @@ mod tests {
             let position = Vec3::from(p);
             let target =
                 change(i, position * 1.1 + Vec3::new(0.2 * p[1].sin(), 3.0, 0.3 * p[0].cos()));
-            Pair { label: format!("l{i}"), position, vertex: None, target, weight: 1.0 }
+            Pair {
+                label: format!("l{i}"),
+                position,
+                vertex: None,
+                target,
+                weight: 1.0,
+                within: None,
+            }
         };
         places.into_iter().enumerate().map(pair).collect()
     }

@@ -6,6 +6,7 @@ use super::coverage::Coverage;
 use super::folds::Folds;
 use super::markers::Markers;
 use super::paired_points::PairedPoints;
+use super::pins::Pins;
 use super::rows::Rows;
 use super::term::{Place, Term, Weighed, Weighting};
 use crate::math::Vec3;
@@ -16,8 +17,10 @@ pub struct DataTerms {
     pub surface: CarriedSurface,
     /// Markers.
     pub markers: Markers,
-    /// Landmarks.
+    /// Landmarks that are weighed against the markers.
     pub landmarks: PairedPoints,
+    /// Landmarks that are not.
+    pub pins: Pins,
     /// Attachments.
     pub attachments: PairedPoints,
     /// Where the markers cover the person, when that can be known.
@@ -100,7 +103,7 @@ impl DataTerms {
     }
 
     fn terms(&self) -> impl Iterator<Item = &dyn Term> {
-        let pairs: [&dyn Term; 3] = [&self.markers, &self.landmarks, &self.attachments];
+        let pairs: [&dyn Term; 4] = [&self.markers, &self.landmarks, &self.pins, &self.attachments];
         let coverage = self.coverage.iter().map(|coverage| coverage as &dyn Term);
         pairs.into_iter().chain(coverage).chain(self.folds.iter().map(|folds| folds as &dyn Term))
     }

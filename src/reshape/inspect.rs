@@ -160,7 +160,7 @@ mod tests {
 
     fn pair(label: &str, position: [f64; 3], target: [f64; 3]) -> Pair {
         let (position, target) = (position.into(), target.into());
-        Pair { label: label.into(), position, vertex: None, target, weight: 1.0 }
+        Pair { label: label.into(), position, vertex: None, target, weight: 1.0, within: None }
     }
 
     fn scale_markers(inputs: &mut Inputs, factor: [f64; 3]) {

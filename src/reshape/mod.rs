@@ -23,6 +23,7 @@ mod objective;
 mod options;
 mod paired_points;
 mod pairs;
+mod pins;
 mod problem;
 mod refine;
 mod reshaped;

@@ -25,6 +25,8 @@ pub struct Pair {
     pub target: Vec3,
     /// Relative weight.
     pub weight: f64,
+    /// Of a pin: how far it may end from its target.
+    pub within: Option<f64>,
 }
 
 impl Pair {
@@ -35,8 +37,8 @@ impl Pair {
             TemplatePoint::Vertex(v) => Some(v),
             TemplatePoint::Position(_) => None,
         };
-        let Landmark { label, target, weight, .. } = landmark.clone();
-        Self { label, position, vertex, target, weight }
+        let Landmark { label, target, weight, within, .. } = landmark.clone();
+        Self { label, position, vertex, target, weight, within }
     }
 
     /// As the solver takes it.
@@ -48,6 +50,7 @@ impl Pair {
                 .map_or(TemplatePoint::Position(self.position), TemplatePoint::Vertex),
             target: self.target,
             weight: self.weight,
+            within: self.within,
         }
     }
 }
@@ -82,6 +85,7 @@ pub fn attach_to_bone(
                 vertex: None,
                 target: there + motion.rotation * (place.position - own),
                 weight: 1.0,
+                within: None,
             })
         })
         .collect();
@@ -145,6 +149,7 @@ mod tests {
                 vertex: None,
                 target: turn(p),
                 weight: 1.0,
+                within: None,
             })
             .collect();
         keep_gaps(&mut pairs, &[Some(gap); 4]).unwrap();

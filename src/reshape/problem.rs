@@ -54,6 +54,9 @@ pub struct Landmark {
     pub target: Vec3,
     /// How much it counts beside the others; 1 is usual, 0 leaves it out.
     pub weight: f64,
+    /// Of a pin: how far it may end from its target, whatever the markers say; 0: not at all. `None`: it is
+    /// weighed against the markers by the tolerance of all. Attachments have none.
+    pub within: Option<f64>,
 }
 
 /// Fails if so many points of a weight above 0 do not determine a shape.
@@ -146,6 +149,7 @@ impl Problem {
             for (i, pair) in list.iter().enumerate() {
                 let name = || format!("{kind} {i} ({})", pair.label);
                 check_number(&pair.target, pair.weight, name)?;
+                check_within(pair.within, name)?;
                 match pair.template {
                     TemplatePoint::Vertex(v) if v as usize >= vertices => {
                         return Err(Error::invalid(format!(
@@ -164,6 +168,16 @@ impl Problem {
             ))),
             None => Ok(()),
         }
+    }
+}
+
+fn check_within(within: Option<f64>, name: impl Fn() -> String) -> Result<()> {
+    match within.filter(|within| !(within.is_finite() && *within >= 0.0)) {
+        Some(within) => Err(Error::invalid(format!(
+            "{} is to be held within {within}; a length of 0 or more is needed",
+            name()
+        ))),
+        None => Ok(()),
     }
 }
 

@@ -19,6 +19,7 @@ use super::markers::Markers;
 use super::numbering::Numbering;
 use super::options::Options;
 use super::paired_points::{PairedPoint, PairedPoints};
+use super::pins::{Pin, Pins};
 use super::problem::{Landmark, Marker, Problem, TemplatePoint};
 
 /// Stiffness of the spring of one fixed point or hard attachment, in units of E l.
@@ -101,6 +102,14 @@ impl Places<'_> {
         Ok(list.iter().enumerate().map(pair).collect())
     }
 
+    fn pins(&self, list: &[Landmark]) -> Result<Vec<Pin>> {
+        let pin = |(PairedPoint { point, target, weight }, landmark): (_, &Landmark)| {
+            let within = landmark.within.unwrap_or_default() / self.units.length;
+            Pin { point, target, within, weight }
+        };
+        Ok(self.pairs(list)?.into_iter().zip(list).map(pin).collect())
+    }
+
     /// A vertex that stays.
     fn fixed(&self, vertex: u32) -> PairedPoint {
         let (point, target) = self.vertex(vertex as usize);
@@ -125,7 +134,10 @@ impl Scene {
         let embedding = numbering.renumbered_embedding(&problem.embedding);
         let template = &problem.surface.points;
         let places = Places { units, template, tets: &tets, embedding: &embedding };
-        let landmarks = places.pairs(&problem.landmarks)?;
+        let (pinned, weighed): (Vec<Landmark>, Vec<Landmark>) =
+            problem.landmarks.iter().cloned().partition(|landmark| landmark.within.is_some());
+        let landmarks = places.pairs(&weighed)?;
+        let pins = places.pins(&pinned)?;
         let attachments = places.pairs(&problem.attachments)?;
         let fixed = problem.fixed.iter().map(|&v| places.fixed(v));
         let springs = springs(&attachments, fixed, options);
@@ -150,6 +162,7 @@ impl Scene {
             folds: hinges.then(|| Folds::new(template, &triangles, sigma.marker * length)),
             markers: Markers::new(positions, weights, noise, sigma.marker),
             landmarks: PairedPoints::new(landmarks, sigma.landmark, doubted),
+            pins: Pins::new(pins, sigma.marker),
             attachments: PairedPoints::new(
                 attachments,
                 sigma.attachment,
@@ -167,9 +180,10 @@ impl Scene {
 
     /// Screening length for the part of the surface of the shape `x` that has data near by.
     pub fn default_screening(&self, x: &[Vec3]) -> f64 {
-        let targets = self.data.landmarks.list.iter().chain(&self.data.attachments.list);
+        let pairs = self.data.landmarks.list.iter().chain(&self.data.attachments.list);
         let markers = self.data.markers.positions.iter().copied();
-        let data: Vec<Vec3> = markers.chain(targets.map(|pair| pair.target)).collect();
+        let pins = self.data.pins.list.iter().map(|pin| pin.target);
+        let data: Vec<Vec3> = markers.chain(pairs.map(|pair| pair.target)).chain(pins).collect();
         let nearest = NearestPoints::new(&data);
         let surface = self.data.surface.embedding.apply(x);
         let seen = surface

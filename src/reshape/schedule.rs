@@ -67,9 +67,12 @@ impl Schedule {
         Self { weighting, patience: LITERAL_STEPS, least: f64::INFINITY, ..Self::full_weight() }
     }
 
-    /// Takes note of a step's gain, `None` where no step was found; whether there is another step.
-    pub fn goes_on(&mut self, gain: Option<f64>) -> bool {
-        let small = gain.unwrap_or(0.0) < self.least;
+    /// Takes note of a step's gain, `None` where no step was found; whether there is another step. A pin that
+    /// lags is worth steps of little gain.
+    pub fn goes_on(&mut self, gain: Option<f64>, pins_lag: bool) -> bool {
+        let follows_pins = pins_lag && self.weighting.robust;
+        let least = if follows_pins { self.least.min(SMALL) } else { self.least };
+        let small = gain.unwrap_or(0.0) < least;
         self.small = if small { self.small + 1 } else { 0 };
         if self.weighting.scale < 1.0 {
             if !(self.waits && gain.is_some_and(|gain| gain >= LEVEL)) {

@@ -105,8 +105,9 @@ impl<'a> Solver<'a> {
             let step = self.objective.step(&at, self.damping, self.run)?;
             self.damping = step.damping;
             self.newton_steps += step.newton_steps;
-            let goes_on = schedule.goes_on(step.gain);
-            at = self.objective.evaluate(step.reached.unwrap_or(at.shape), schedule.weighting);
+            let shape = step.reached.unwrap_or(at.shape);
+            let goes_on = schedule.goes_on(step.gain, self.data().pins.any_lags(&shape.state.x));
+            at = self.objective.evaluate(shape, schedule.weighting);
             self.record(&at);
             if !goes_on && !self.run.is_cancelled() {
                 let stop = self.reason(&at, schedule.is_settled());

@@ -37,6 +37,8 @@ static void pairs_and_fixed(const char *folder) {
     const double places[15] = {-0.9, 0, 0, 0.9, 0.1, 0, 0, 0.8, 0.3, 0.2, 0, -0.9, 0.1, -0.7, 0.5};
     const char *const names[5] = {"left", "right", NULL, NULL, NULL};
     const uint32_t missing = 4294967295u;
+    const double no_pins[2] = {-1, -1};
+    MlgReshapingResult *result = NULL;
     int exchanges = 0;
     MlgFindings *findings = NULL;
     MlgFinding finding;
@@ -93,6 +95,22 @@ static void pairs_and_fixed(const char *folder) {
     CHECK(exchanges == 1);
     mlg_findings_free(findings);
     CHECK(mlg_tri_mesh_inspect(mesh, NULL, 0, NULL, pairs, &missing, 1, &findings, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    mlg_pairs_free(pairs);
+
+    /* A landmark of a file may be a pin, or be made one. */
+    write_file(path, "vertex,target_x,target_y,target_z,within\n0,0,0,1.2,0\n1,0,0,-1,\n");
+    CHECK(mlg_pairs_load_landmarks(mesh, path, NULL, &pairs, &error) == MLG_STATUS_OK);
+    CHECK(mlg_pairs_within(pairs, &count)[0] == 0 && mlg_pairs_within(pairs, NULL)[1] < 0 && count == 2);
+    CHECK(mlg_reshaping_set_landmark_pairs(problem, pairs, &error) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_run(problem, NULL, &result, &error) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_result_landmark_distances(result, NULL)[0] < 0.01);
+    mlg_reshaping_result_free(result);
+    CHECK(mlg_reshaping_set_pins(problem, no_pins, 2, &error) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_run(problem, NULL, &result, &error) == MLG_STATUS_OK);
+    CHECK(mlg_reshaping_result_landmark_distances(result, NULL)[0] > 0.05);
+    mlg_reshaping_result_free(result);
+    CHECK(mlg_reshaping_set_pins(problem, no_pins, 1, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(error.message, "1 lengths for 2 landmarks") != NULL);
     mlg_pairs_free(pairs);
 
     /* The same places with other targets cannot be. */

@@ -86,7 +86,9 @@ int main() {
     const std::vector<double> place = {1, 0, 0};
     const char *const name[] = {"right"};
     const moulage::Pairs own(place, place, {}, moulage::View<const char *>(name, 1));
-    CHECK(own.label(0) == "right" && own.targets()[0] == 1);
+    CHECK(own.label(0) == "right" && own.targets()[0] == 1 && own.within()[0] < 0);
+    problem.set_landmarks(own);
+    problem.set_pins(std::vector<double>{0.1});
     const moulage::Findings findings = moulage::Findings::of(mesh, markers);
     CHECK(moulage::Findings::of(mesh, {}, own).concern_name(0) == "AMOUNT");
     CHECK(findings.size() == 1 && findings[0].has_motion == 1);

@@ -29,6 +29,22 @@ class Answers(unittest.TestCase):
         path.write_text(text)
         return path
 
+    def test_pins_are_met_and_landmarks_give_way(self):
+        problem = moulage.Reshaping(self.tets)
+        problem.set_markers(self.points)
+        target = self.points[:1] + (0.0, 0.0, -0.2)
+        problem.set_landmarks(self.points[:1], target)
+        distances = []
+        for within in (-1, 0.1, 0):
+            problem.set_pins([within])
+            distances.append(problem.run().landmark_distances[0])
+        self.assertGreater(distances[0], 0.15)
+        self.assertAlmostEqual(distances[1], 0.1, delta=5e-3)
+        self.assertLess(distances[2], 5e-3)
+        with self.assertRaisesRegex(moulage.Error, "2 lengths for 1 landmarks"):
+            problem.set_pins([0, 0])
+        self.assertEqual(moulage.Pairs(self.points[:1], target).within.tolist(), [-1])
+
     def test_findings_tell_what_mends_them(self):
         self.assertEqual(moulage.inspect(moulage.TriMesh(self.points, self.triangles), numpy.vstack([self.points] * 2)), [])
         far = self.points * (1, 2, 3) + (40, 30, 20)

@@ -46,6 +46,7 @@ pub fn read_attachment_pairs(path: &Path, surface: &TriMesh, gap: Gap) -> Result
             vertex: place.vertex,
             target: row.target,
             weight: row.weight.unwrap_or(1.0),
+            within: None,
         });
     }
     if gap == Gap::Keep {

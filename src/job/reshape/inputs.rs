@@ -102,6 +102,7 @@ pub fn read_landmark_pairs(
             vertex: place.vertex,
             target: landmark.target,
             weight: landmark.weight.unwrap_or(1.0),
+            within: landmark.within,
         })
     };
     Ok((list.into_iter().enumerate().map(pair).collect::<Result<_>>()?, warning))

@@ -107,6 +107,24 @@ class Reshape(unittest.TestCase):
             self.assertTrue(0 <= landmark.residual < 0.1, landmark.residual)
         self.assertGreater(shape_of(template)[:, 0].max(), 1.25)
 
+    def test_the_strength_of_a_landmark_says_whether_markers_may_contradict_it(self):
+        template = scenes.ball_and_markers(iterations=40)
+        tip = max(points_of(template.data).tolist())
+        target = scenes.egg([tip])[0] + (0.2, 0.0, 0.0)
+        bpy.ops.moulage.add_landmark(name="tip", template_point=tip, target=target)
+        landmark, off = template.moulage.landmarks[0], {}
+        sizes = {}
+        for hold in ("HINT", "WITHIN", "EXACT"):
+            landmark.hold, landmark.within = hold, 0.08
+            bpy.ops.moulage.reshape()
+            off[hold] = landmark.residual
+            sizes[hold] = landmark.target.empty_display_size
+        self.assertGreater(off["HINT"], 0.1)
+        self.assertAlmostEqual(off["WITHIN"], 0.08, delta=0.01)
+        self.assertLess(off["EXACT"], 0.01)
+        self.assertAlmostEqual(sizes["WITHIN"], 0.08, places=5)
+        self.assertLess(sizes["EXACT"], sizes["HINT"])
+
     def test_fixed_vertices_stay(self):
         template = scenes.ball_and_markers()
         template.moulage.fixed_group = "top"

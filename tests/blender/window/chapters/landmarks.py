@@ -65,9 +65,9 @@ def click_pairs():
 
 def mirror_names():
     """The first is named lobe.L; its partner is made on the other side, and clicked on the person."""
-    # The first row of the list is left of the button that removes one.
-    x, y = yield from find("moulage.remove_landmark(all=False)", ICON)
-    yield from click(x - 90, y - 4, ctrl=True)
+    # The first row of the list is below the button that removes one.
+    x, y = yield from find("moulage.remove_landmark(all=False)", (0.75,))
+    yield from click(x - 70, y - 33, ctrl=True)
     yield from pause()
     press("A", ctrl=True)
     yield from type_text("lobe.L")

@@ -1,30 +1,36 @@
-"""Live editing: a landmark of a ball is moved by G, X, 1; the shape follows, and comes back by undo."""
+"""Live editing: a landmark of a ball is moved by G, X, 1; the shape meets it although markers contradict, and comes back
+by undo."""
 
 import bpy
 import scenes
-from events import has_result, keys, press, running, select, template, undo, until
+from events import has_result, keys, picture, press, running, select, template, undo, until
 from sidebar import click_button, open_tab, show_panels
 
 
 def session():
     ball = scenes.ball_and_markers(tet_count=1500, iterations=15)
-    ball.moulage.markers, ball.moulage.landmark_tolerance = None, 0.01
-    for axis in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+    tip = max(tuple(v.co) for v in ball.data.vertices)
+    bpy.ops.moulage.add_landmark(template_point=tip, target=scenes.egg([tip])[0])
+    for axis in ((-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
         bpy.ops.moulage.add_landmark(template_point=axis, target=scenes.egg([axis])[0])
     bpy.context.view_layer.objects.active = ball
     yield from open_tab()
-    yield from show_panels("Reshape", "Result")
+    yield from show_panels("Landmarks", "Reshape", "Result")
     yield from click_button("moulage.reshape")
     yield from until(lambda: has_result() and ball.moulage.result.key != "" and not running(), "the result")
     before = length()
     yield from click_button(".live_edit")
     yield from until(live, "live editing")
     select(template().moulage.landmarks[0].target)
+    target = template().moulage.landmarks[0].target
     press("G")
-    yield from keys("X", "1", "RET")
-    yield from until(lambda: length() > before + 0.5, "the shape that follows the landmark")
+    yield from keys("X", "0", ".", "2", "RET")
+    yield from until(lambda: abs(length() - target.matrix_world.translation.x) < 0.005, "the shape at the landmark")
+    assert length() > before + 0.15 and template().moulage.landmarks[0].hold == "EXACT"
+    yield from picture("pin")
     yield from undo()
-    yield from until(lambda: abs(length() - before) < 0.2, "the shape after undo")
+    yield from until(lambda: abs(length() - before) < 0.05 and not running(), "the shape after undo")
+    assert template().moulage.landmarks[0].hold == "HINT"
     yield from click_button(".live_edit")
     yield from until(lambda: not live() and not running(), "the end of live editing")
 
