@@ -21,9 +21,14 @@ class NeedsTemplate(Panel):
         return properties.template_of(context) is not None
 
 
+def letters(context):
+    """How many letters a line of the panel holds."""
+    return max(20, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 4)
+
+
 def write(layout, context, text, icon="NONE", width=0):
     """A text in as many lines as the panel's width asks for, or of so many letters."""
-    width = width or max(20, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 4)
+    width = width or letters(context)
     column = layout.column(align=True)
     column.scale_y = 0.8
     for paragraph in text.splitlines():
@@ -33,6 +38,7 @@ def write(layout, context, text, icon="NONE", width=0):
 
 def draw_doubts(layout, context, template, width=0):
     """What is suspicious, each sentence with the button that mends it."""
+    width = width or letters(context) - 3
     for index, row in enumerate(template.moulage.doubts):
         box = layout.box().column()
         write(box, context, row.text, "INFO" if row.severity == "note" else "ERROR", width)

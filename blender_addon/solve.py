@@ -48,6 +48,7 @@ class Solve(Running):
         self._earlier = _earlier(self.inputs) if again else None
         self._tets = None
         data = template.moulage
+        self._warnings = [row.text for row in data.doubts]
         self._before = result.Before(template, "" if data.new_key else data.result.key)
         super().__init__()
         try:
@@ -127,7 +128,7 @@ class Solve(Running):
             _results.clear()
             _results[self.inputs.uid] = self.inputs.key(), self.inputs.options, found
             seconds = time.monotonic() - self.started
-            warnings = [row.text for row in template.moulage.doubts] + ([] if self._is_up_to_date(context, template) else [_OUT_OF_DATE])
+            warnings = self._warnings + ([] if self._is_up_to_date(context, template) else [_OUT_OF_DATE])
             data = template.moulage.result
             if self._earlier is None:
                 data.mean_before = -1.0

@@ -20,7 +20,7 @@ from .native import address, array
 class Finding:
     """Something suspicious about a template and what it is to follow. Lengths are in the template's unit.
 
-    Attributes
+    Parameters
     ----------
     concern : str
         What it is about: "amount", "surface", "unit", "frame", "up_axis", "place", "side", "exchange", "landmarks" or

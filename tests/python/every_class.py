@@ -37,8 +37,8 @@ def reshape(folder: Path) -> moulage.ReshapingResult:
         "vertex,target_x,target_y,target_z\n" + "".join(f"{i},{1.5 * x},{y},{z}\n" for i, (x, y, z) in enumerate(cube().points))
     )
     pairs: moulage.Pairs = moulage.Pairs.load_landmarks(cube(), folder / "pairs.csv")
-    doubts: list[moulage.Finding] = moulage.inspect(cube(1000.0), markers, pairs, fixed=[0])
-    assert [d.concern for d in doubts if d.severity == "refused"] == ["landmarks"]
+    doubts: list[moulage.Finding] = moulage.inspect(cube(), markers, pairs, fixed=[0])
+    assert [(d.concern, d.severity) for d in doubts] == [("amount", "note")]
     problem = moulage.Reshaping(tets)
     problem.set_markers(markers)
     problem.set_landmarks(pairs)

@@ -20,6 +20,8 @@ NOT_CALLED = {
     "separation_run": WAITS,
     "status_name": NAMES,
     "stop_name": NAMES,
+    "concern_name": NAMES,
+    "severity_name": NAMES,
     "verdict_name": NAMES,
     "ending_name": NAMES,
     "abi_version": "called by native.py while it loads the library",

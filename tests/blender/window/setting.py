@@ -11,12 +11,12 @@ from mathutils.bvhtree import BVHTree
 LIVER, HAND = (Path(__file__).resolve().parents[3] / "examples" / name for name in ("liver", "hand"))
 
 
-def load_liver():
-    """The liver alone in the scene, selected."""
+def load_liver(forward="Y", up="Z"):
+    """The liver alone in the scene, selected; by Blender's importer with these axes."""
     clear()
     bpy.context.scene.unit_settings.scale_length = 1.0
     with in_view():
-        bpy.ops.wm.obj_import(filepath=str(LIVER / "template.obj"), forward_axis="Y", up_axis="Z")
+        bpy.ops.wm.obj_import(filepath=str(LIVER / "template.obj"), forward_axis=forward, up_axis=up)
     ob = bpy.context.selected_objects[0]
     bpy.context.view_layer.objects.active = ob
     return ob

@@ -37,7 +37,7 @@ def stop_by_button():
 
 def undo_something():
     """Ctrl+Z during a run undoes what was done before it, and the run goes on to its result."""
-    template().moulage.tet_count, template().moulage.max_iterations = 10000, 0
+    template().moulage.tet_count, template().moulage.max_iterations = 6000, 8
     bpy.ops.ed.undo_push(message="ready")
     bpy.ops.moulage.add_landmark("EXEC_DEFAULT", True, name="undone", template_point=(0, 0, 0), target=(0, 0, 0))
     template().moulage.landmarks["undone"].use = False
@@ -50,7 +50,8 @@ def undo_something():
     yield from until(lambda: "undone" not in template().moulage.landmarks, "undo during the run")
     assert running(), "undo ended the run"
     yield from until(lambda: not running(), "the end of the run")
-    assert has_result() and template().moulage.result.ending.startswith("Done"), template().moulage.result.ending
+    ending = template().moulage.result.ending
+    assert has_result() and ending.startswith(("Done", "The iterations")), ending
     yield from picture("undone_meanwhile")
     yield from undo()
     yield from until(lambda: "undone" not in template().moulage.landmarks and not running(), "undo of the run")
