@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who an object is, for a run that outlives Python's references: undo makes all objects anew, and users rename them.
+"""Who an object is, for a run that outlives Python's references: undo replaces all objects, and users rename them.
 `kind` is the property that holds the uid: "moulage" or "moulage_skeleton"."""
 
 import uuid

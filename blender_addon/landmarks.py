@@ -93,8 +93,7 @@ def show_hold(landmark):
 def within(template):
     """How far each landmark that is used may end from its target, whatever the markers say (n,); below 0 where the
     markers may say otherwise."""
-    lengths = {"EXACT": lambda _: 0.0, "WITHIN": lambda landmark: landmark.within, "HINT": lambda _: -1.0}
-    return numpy.array([lengths[landmark.hold](landmark) for landmark in used(template)])
+    return numpy.array([{"EXACT": 0.0, "WITHIN": l.within, "HINT": -1.0}[l.hold] for l in used(template)])
 
 
 def set_template_point(context, template, landmark, point):

@@ -41,6 +41,11 @@ def sentence(text):
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
+def refusal(error):
+    """What a RuntimeError of one of Blender's operators says."""
+    return str(error).removeprefix("Error: ").strip()
+
+
 def _package():
     """Installed as a wheel, or in one of the places above."""
     if "moulage" in sys.modules:

@@ -4,7 +4,7 @@ are: medical files have Z up, whatever the format usually has."""
 
 import bpy
 
-from .library import Wrong
+from .library import Wrong, refusal
 
 ENDINGS = (".obj", ".ply", ".stl")
 
@@ -29,7 +29,7 @@ def load(context, path, y_up=False):
     try:
         _importer(path, ("NEGATIVE_Z", "Y") if y_up else ("Y", "Z"))
     except RuntimeError as error:
-        raise Wrong(f"{path.name} cannot be read: {str(error).removeprefix('Error: ').strip()}") from None
+        raise Wrong(f"{path.name} cannot be read: {refusal(error)}") from None
     made = [ob for ob in bpy.data.objects if ob not in before]
     meshes = [ob for ob in made if ob.type == "MESH" and len(ob.data.vertices) > 0]
     for ob in made:

@@ -5,7 +5,7 @@ finds it; here it gets a sentence and a button, and is kept on the template for 
 import mathutils
 import numpy
 
-from . import attachments, landmarks, markers, mesh_data, problem, units
+from . import markers, problem, units
 from .library import Wrong, calls, sentence
 
 # A person's organ, bone or body in millimetres.
@@ -18,20 +18,21 @@ def look(context, template):
     kept.clear()
     template.moulage.checked = True
     try:
-        found = _findings(problem.gather(context, template))
+        inputs = problem.gather(context, template)
+        found = _findings(inputs)
     except Wrong:
         # Data that are not complete yet are refused when a run begins.
         return
-    size = _size(mesh_data.world_points(template))
+    size = _size(inputs.points)
     if units.are_millimetres(context.scene, size):
         _keep(kept, "scene", "note", f"The template is {units.text(context.scene, size)} long: its coordinates look like "
               "millimetres.", "These Are Millimetres")
     for finding in found:
         # Too few points are refused when a run begins.
         if (finding.concern, finding.severity) != ("amount", "refused"):
-            text, button = _words(context.scene, template, finding)
+            text, button = _words(context.scene, inputs, finding)
             row = _keep(kept, finding.concern, finding.severity, text, button)
-            _keep_remedy(row, context.scene, template, finding)
+            _keep_remedy(row, context.scene, inputs, finding)
 
 
 def serious(template):
@@ -57,24 +58,23 @@ def _keep(kept, concern, severity, text, button=""):
     return row
 
 
-def _keep_remedy(row, scene, template, finding):
+def _keep_remedy(row, scene, inputs, finding):
     if finding.motion is not None:
-        row.moves = "PERSON" if finding.concern == "unit" and _person_is_odd(scene, template) else "TEMPLATE"
+        row.moves = "PERSON" if finding.concern == "unit" and _person_is_odd(scene, inputs) else "TEMPLATE"
         motion = numpy.linalg.inv(finding.motion) if row.moves == "PERSON" else finding.motion
         row.motion = motion.ravel().tolist()
     if finding.exchange is not None:
-        names = [landmark.name for landmark in landmarks.used(template)]
-        row.first, row.second = (names[number] for number in finding.exchange)
+        row.first, row.second = (inputs.landmark_names[number] for number in finding.exchange)
 
 
-def _person_is_odd(scene, template):
+def _person_is_odd(scene, inputs):
     """Whether the template is as large as parts of a body are, and the person is not."""
     low, high = (length / units.millimetres(scene, 1.0) for length in _LIKELY_SIZE)
-    own, theirs = _size(mesh_data.world_points(template)), _size(markers.points(template))
+    own, theirs = _size(inputs.points), _size(inputs.markers)
     return low < own < high and not low < theirs < high
 
 
-def _words(scene, template, finding):
+def _words(scene, inputs, finding):
     """The sentence and what the button is called; no button where nothing is known that mends it."""
     def text(length):
         return units.text(scene, length)
@@ -84,8 +84,8 @@ def _words(scene, template, finding):
     if finding.mended_distance == finding.mended_distance:
         away += f", but {text(finding.mended_distance)} "
     if concern == "unit":
-        sizes = (text(_size(mesh_data.world_points(template))), text(_size(markers.points(template))))
-        words = f"The template is {sizes[0]} long and the person {sizes[1]}: their files are in two units."
+        own, theirs = text(_size(inputs.points)), text(_size(inputs.markers))
+        words = f"The template is {own} long and the person {theirs}: their files are in two units."
         return words, "" if motion is None else "Bring to One Unit"
     if concern == "up_axis":
         from_y = motion[2, 1] > 0
@@ -98,7 +98,7 @@ def _words(scene, template, finding):
     if concern == "side":
         return "The landmarks lie as on a mirror image of the template: it is of the other side of the body.", "Mirror"
     if concern == "exchange":
-        first, second = (landmarks.used(template)[number].name for number in finding.exchange)
+        first, second = (inputs.landmark_names[number] for number in finding.exchange)
         return f"The landmarks '{first}' and '{second}' look exchanged.", "Swap Them"
     return sentence(finding.text.removeprefix("the template: ")), "Fix" if concern == "surface" else ""
 

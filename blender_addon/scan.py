@@ -11,6 +11,8 @@ from . import library
 from .library import Wrong, calls
 
 COLLECTION = "Scan"
+# Of image volumes; a file of a DICOM series may have none.
+ENDINGS = (".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".ima")
 # Axis along which each view is looked, in RAS.
 AXES = {"AXIAL": (0, 0, 1), "CORONAL": (0, 1, 0), "SAGITTAL": (1, 0, 0)}
 VIEWS = (*AXES, "OBLIQUE")

@@ -4,6 +4,6 @@
 from . import attach, files, landmark, pick, preflight, reshape, scan, separate, show, skeleton, start, template
 
 classes = (
-    *start.classes, *template.classes, *preflight.classes, *landmark.classes, *pick.classes, *attach.classes, *reshape.classes, *show.classes,
-    *files.classes, *scan.classes, *skeleton.classes, *separate.classes,
+    *start.classes, *template.classes, *preflight.classes, *landmark.classes, *pick.classes, *attach.classes,
+    *reshape.classes, *show.classes, *files.classes, *scan.classes, *skeleton.classes, *separate.classes,
 )

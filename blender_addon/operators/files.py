@@ -9,7 +9,7 @@ from .. import landmarks, markers, preflight, problem, properties
 from ..library import Wrong, calls
 from .base import DropsIntoView, Imports, NeedsTemplate, tells
 
-_READ = "*.mrk.json;*.json;*.fcsv;*.pp;*.csv;*.xyz;*.txt;*.ply"
+READ = "*.mrk.json;*.json;*.fcsv;*.pp;*.csv;*.xyz;*.txt;*.ply"
 _WRITTEN = (
     (".mrk.json", "3D Slicer markups (.mrk.json)"), (".fcsv", "3D Slicer fiducials (.fcsv)"),
     (".pp", "MeshLab picked points (.pp)"), (".csv", "Table (.csv)"),
@@ -28,7 +28,7 @@ class MOULAGE_OT_import_markers(Imports, bpy.types.Operator):
     bl_idname = "moulage.import_markers"
     bl_label = "Import Markers"
 
-    filter_glob: bpy.props.StringProperty(default=_READ, options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(default=READ, options={"HIDDEN"})
     as_empties: bpy.props.BoolProperty(name="As empties", description="One empty per marker, to move them by hand")
     scale: SCALE
 
@@ -62,7 +62,7 @@ class MOULAGE_OT_import_landmarks(NeedsTemplate, bpy.types.Operator, ImportHelpe
     bl_label = "Import Landmarks"
 
     filename_ext = ""
-    filter_glob: bpy.props.StringProperty(default=_READ, options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(default=READ, options={"HIDDEN"})
     person: bpy.props.StringProperty(
         name="Person's file", description="The file with the same labels on the person; empty for a table of pairs",
         subtype="FILE_PATH",

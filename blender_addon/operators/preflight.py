@@ -31,11 +31,9 @@ class MOULAGE_OT_mend(NeedsTemplate, bpy.types.Operator):
             raise Wrong("There is nothing to mend any more.")
         row = doubts[self.index]
         if row.concern in _OPERATORS:
-            _OPERATORS[row.concern]()
-        elif row.concern == "exchange":
-            preflight.swap(template, row)
-        else:
-            preflight.move(template, row)
+            # It looks again by itself.
+            return _OPERATORS[row.concern]()
+        (preflight.swap if row.concern == "exchange" else preflight.move)(template, row)
         context.view_layer.update()
         preflight.look(context, template)
         return {"FINISHED"}

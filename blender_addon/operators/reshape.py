@@ -28,21 +28,27 @@ class MOULAGE_OT_reshape(Runs, NeedsTemplate, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    _looked = False
+
     @classmethod
     def poll(cls, context):
         return super().poll(context) and _has_data(cls, properties.template_of(context))
 
     def invoke(self, context, event):
+        if bpy.app.background:
+            return super().invoke(context, event)
         template = properties.template_of(context)
         preflight.look(context, template)
-        if preflight.serious(template) and not self.anyway and not bpy.app.background:
+        self._looked = True
+        if preflight.serious(template) and not self.anyway:
             bpy.ops.moulage.reshape_anyway("INVOKE_DEFAULT")
             return {"CANCELLED"}
         return super().invoke(context, event)
 
     def begin(self, context):
         template = properties.template_of(context)
-        preflight.look(context, template)
+        if not self._looked:
+            preflight.look(context, template)
         serious = preflight.serious(template)
         if serious and not self.anyway:
             raise Wrong(serious[0].text)

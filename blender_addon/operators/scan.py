@@ -14,7 +14,7 @@ class MOULAGE_OT_load_scan(Imports, bpy.types.Operator):
     bl_idname = "moulage.load_scan"
     bl_label = "Load Scan"
 
-    filter_glob: bpy.props.StringProperty(default="*.nii;*.gz;*.nrrd;*.nhdr;*.mha;*.mhd;*.dcm;*.ima;*", options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(default=";".join((*(f"*{ending}" for ending in scan.ENDINGS), "*")), options={"HIDDEN"})
 
     @tells
     def execute(self, context):
@@ -121,6 +121,6 @@ if bpy.app.version >= (4, 1, 0):
         bl_idname = "MOULAGE_FH_scan"
         bl_label = "Moulage scan"
         bl_import_operator = "moulage.load_scan"
-        bl_file_extensions = ".nii;.gz;.nrrd;.nhdr;.mha;.mhd;.dcm;.ima"
+        bl_file_extensions = ";".join(scan.ENDINGS)
 
     classes += (MOULAGE_FH_scan,)

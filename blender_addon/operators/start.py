@@ -3,14 +3,13 @@
 
 import bpy
 
-from .. import mesh_files, preflight, properties, runs, units, views
-from ..library import Wrong
+from .. import mesh_files, preflight, properties, scan, units, views
+from ..library import Wrong, refusal
 from .base import Imports, poll_object_mode, tells
+from .files import READ
 from .template import set_millimetres
 
-_POINTS = (".json", ".fcsv", ".pp", ".csv", ".xyz", ".txt", ".ply")
 _MESHES = ";".join(f"*{ending}" for ending in mesh_files.ENDINGS)
-_IMAGES = (".nii", ".gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".dcm", ".ima")
 _UNITS = {"MILLIMETRES": 1.0, "CENTIMETRES": 10.0, "METRES": 1000.0}
 
 
@@ -62,7 +61,7 @@ class MOULAGE_OT_import_person(_Starts, bpy.types.Operator):
     bl_label = "Import Person"
 
     filter_glob: bpy.props.StringProperty(
-        default=";".join(f"*{ending}" for ending in (*mesh_files.ENDINGS, *_POINTS, *_IMAGES)), options={"HIDDEN"}
+        default=";".join((_MESHES, READ, *(f"*{ending}" for ending in scan.ENDINGS))), options={"HIDDEN"}
     )
 
     @classmethod
@@ -70,7 +69,7 @@ class MOULAGE_OT_import_person(_Starts, bpy.types.Operator):
         if properties.template_of(context) is None:
             cls.poll_message_set("Import the template first: the person is compared with it")
             return False
-        return super().poll(context) and not runs.is_running()
+        return super().poll(context)
 
     @tells
     def execute(self, context):
@@ -90,7 +89,7 @@ class MOULAGE_OT_import_person(_Starts, bpy.types.Operator):
         return {"FINISHED"}
 
     def _read(self, context, template, path):
-        if path.is_dir() or path.suffix.lower() in _IMAGES:
+        if path.is_dir() or path.suffix.lower() in scan.ENDINGS:
             self._call(bpy.ops.moulage.load_scan, path)
         elif mesh_files.is_mesh(path):
             person = mesh_files.load(context, path)
@@ -104,7 +103,7 @@ class MOULAGE_OT_import_person(_Starts, bpy.types.Operator):
         try:
             operator(filepath=str(path))
         except RuntimeError as error:
-            raise Wrong(str(error).removeprefix("Error: ").strip()) from None
+            raise Wrong(refusal(error)) from None
 
 
 def _holds_pairs(path):

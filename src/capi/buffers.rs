@@ -1,6 +1,6 @@
 //! Reading C arrays, strings and structs; writing outputs.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, CString};
 
 use libc::c_char;
 use nalgebra::Matrix4;
@@ -177,6 +177,11 @@ pub(super) fn entry<'a, T>(list: &'a [T], index: usize, what: &str) -> Outcome<&
             list.len()
         ))
     })
+}
+
+/// A text for C callers, who cannot have zeros in it.
+pub(super) fn c_text(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
 /// A matrix row by row, as C has it.

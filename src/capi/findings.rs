@@ -209,8 +209,8 @@ pub unsafe extern "C" fn mlg_tri_mesh_inspect(
             fixed: &fixed,
         };
         let list = inspect(&data, None);
-        let text = |f: &Finding| CString::new(f.text.replace('\0', " ")).unwrap_or_default();
-        Ok(Findings { texts: list.iter().map(text).collect(), list })
+        let texts = list.iter().map(|finding| buffers::c_text(&finding.text)).collect();
+        Ok(Findings { list, texts })
     })
 }
 

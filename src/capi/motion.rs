@@ -6,7 +6,7 @@ use std::ptr;
 use std::sync::Arc;
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome};
-use super::skeleton::{MlgSkeleton, SkeletonObject, c_name};
+use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers, handles};
 use crate::io::gltf::write_glb;
 use crate::io::has_extension;
@@ -28,9 +28,11 @@ struct MotionObject {
 impl MotionObject {
     fn new(skeleton: Arc<SkeletonObject>, motion: Motion) -> Self {
         Self {
-            names: motion.names.iter().map(|n| c_name(n)).collect(),
+            names: motion.names.iter().map(|n| buffers::c_text(n)).collect(),
             angles: motion.frames.concat(),
-            notes: c_name(&unknown_angles(&skeleton.skeleton, &motion).unwrap_or_default()),
+            notes: buffers::c_text(
+                &unknown_angles(&skeleton.skeleton, &motion).unwrap_or_default(),
+            ),
             skeleton,
             motion,
         }

@@ -33,14 +33,13 @@ struct Pairs {
 
 impl Pairs {
     fn new(pairs: Vec<Pair>, warning: Option<String>) -> Self {
-        let label = |p: &Pair| CString::new(p.label.replace('\0', " ")).unwrap_or_default();
         Self {
             places: pairs.iter().map(|p| p.position).collect(),
             vertices: pairs.iter().map(|p| p.vertex.unwrap_or(MLG_NO_VERTEX)).collect(),
             targets: pairs.iter().map(|p| p.target).collect(),
             weights: pairs.iter().map(|p| p.weight).collect(),
             within: pairs.iter().map(|p| p.within.unwrap_or(-1.0)).collect(),
-            labels: pairs.iter().map(label).collect(),
+            labels: pairs.iter().map(|p| buffers::c_text(&p.label)).collect(),
             warning: warning.and_then(|w| CString::new(w).ok()),
             list: pairs,
         }

@@ -114,13 +114,15 @@ impl SkeletonObject {
         surfaces: Vec<Arc<Surface>>,
         notes: &[String],
     ) -> Self {
-        let (angle_names, angles) =
-            present_angles(&skeleton).into_iter().map(|(name, a)| (c_name(&name), a)).unzip();
+        let (angle_names, angles) = present_angles(&skeleton)
+            .into_iter()
+            .map(|(name, a)| (buffers::c_text(&name), a))
+            .unzip();
         Self {
-            bone_names: skeleton.bones.iter().map(|b| c_name(&b.name)).collect(),
-            joint_names: skeleton.joints.iter().map(|j| c_name(&j.name)).collect(),
+            bone_names: skeleton.bones.iter().map(|b| buffers::c_text(&b.name)).collect(),
+            joint_names: skeleton.joints.iter().map(|j| buffers::c_text(&j.name)).collect(),
             statistics: None,
-            notes: c_name(&notes.join("\n")),
+            notes: buffers::c_text(&notes.join("\n")),
             angle_names,
             angles,
             document,
@@ -128,11 +130,6 @@ impl SkeletonObject {
             surfaces,
         }
     }
-}
-
-/// A name for C callers, who cannot have zeros in it.
-pub(super) fn c_name(name: &str) -> CString {
-    CString::new(name.replace('\0', " ")).unwrap_or_default()
 }
 
 /// Writes the defaults of a joint. `struct_size`: `sizeof *out_joint`.

@@ -44,9 +44,8 @@ pub fn place(
     landmarks: &[Pair],
     will_move: bool,
 ) -> Option<Finding> {
-    let found = misplaced(surface, markers, landmarks);
-    let believed = found.filter(|_| !will_move);
-    let mistake = believed.and_then(|found| Some((found, found.without?)));
+    let found = if will_move { None } else { misplaced(surface, markers, landmarks) };
+    let mistake = found.and_then(|found| Some((found, found.without?)));
     let finding = match (other_unit(surface, markers), mistake) {
         (Some((ratio, units)), _) => {
             let (own, theirs) = (surface.diagonal(), diagonal(markers));
@@ -61,7 +60,7 @@ pub fn place(
             )
         }
         (None, Some((found, (mistake, left)))) => mistaken(&found, &mistake, left),
-        (None, None) => return elsewhere(&believed?),
+        (None, None) => return elsewhere(&found?),
     };
     let Some((found, (mistake, left))) = mistake else { return Some(finding) };
     Some(Finding {
