@@ -32,7 +32,7 @@
  *   Versions.
  *   Statuses and errors: what every function does at the border.
  *   Surfaces and tet meshes, from arrays and files.
- *   Distances between a surface and points.
+ *   Between a surface and points: distances, nearest places, values.
  *   Markers, from arrays and files.
  *   Runs: started, polled, cancelled, waited for. No callback crosses the border.
  *   Filling: from a surface to tets that carry it.
@@ -387,7 +387,7 @@ const uint32_t *mlg_tet_mesh_tets(const MlgTetMesh *mesh, size_t *out_count);
 void mlg_tet_mesh_free(MlgTetMesh *mesh);
 
 /* ================================================================================================
- * Distances between a surface and points.
+ * Between a surface and points: distances, nearest places, values.
  * ================================================================================================ */
 
 /**
@@ -415,6 +415,33 @@ MlgStatus mlg_tri_mesh_distances_of_points(const MlgTriMesh *mesh,
                                            size_t count,
                                            double *out_distances,
                                            MlgError *error);
+
+/**
+ * The place on a surface that is nearest to each of some points.
+ *
+ * `points`: `3 * count` coordinates, finite, at least one point. `out_places`: room for `3 * count`
+ * numbers. The mesh needs triangles.
+ */
+MlgStatus mlg_tri_mesh_closest_points(const MlgTriMesh *mesh,
+                                      const double *points,
+                                      size_t count,
+                                      double *out_places,
+                                      MlgError *error);
+
+/**
+ * Values that are known at some points, such as the distances of markers, at each vertex of a surface: the mean
+ * of the four nearest points, weighted by nearness.
+ *
+ * `points`: `3 * count` coordinates, finite, at least one point. `values`: `count` numbers.
+ * `out_values`: room for one number per vertex of `mesh`; NaN for a vertex that is farther from its
+ * nearest point than three times the points' usual spacing.
+ */
+MlgStatus mlg_tri_mesh_interpolate(const MlgTriMesh *mesh,
+                                   const double *points,
+                                   const double *values,
+                                   size_t count,
+                                   double *out_values,
+                                   MlgError *error);
 
 /* ================================================================================================
  * Markers, from arrays and files.
@@ -1004,6 +1031,19 @@ MlgStatus mlg_pairs_from_bone(const MlgTriMesh *template_surface,
                               MlgError *error);
 
 /**
+ * Attaches chosen vertices of a template to a bone: each holds at the bone's vertex nearest to it, at the distance
+ * it has there. `vertices`: `count` indices of the template. `bone` and `person_bone` as in
+ * `mlg_pairs_from_bone`. Free with `mlg_pairs_free`.
+ */
+MlgStatus mlg_pairs_from_vertices(const MlgTriMesh *template_surface,
+                                  const uint32_t *vertices,
+                                  size_t count,
+                                  const MlgTriMesh *bone,
+                                  const MlgTriMesh *person_bone,
+                                  MlgPairs **out_pairs,
+                                  MlgError *error);
+
+/**
  * The places on the template: `3 * *out_count` coordinates, borrowed until the pairs are freed.
  * NULL for a handle that is not valid. `out_count`: may be NULL.
  */
@@ -1106,6 +1146,21 @@ MlgStatus mlg_tri_mesh_align(const MlgTriMesh *template_surface,
                              size_t landmark_count,
                              double *out_person_from_template,
                              MlgError *error);
+
+/**
+ * Finds the motion that brings points nearest to their targets, in the sense of least squares (Horn 1987,
+ * Umeyama 1991). One pair gives a translation; where pairs leave the rotation open it is the smallest.
+ *
+ * `freedom`: `MLG_ALIGN_RIGID` or `MLG_ALIGN_SIMILARITY`. `points` and `targets`: `3 * count`
+ * coordinates each, at least one pair. `out_targets_from_points`: room for 16 numbers, a 4x4 matrix,
+ * row by row.
+ */
+MlgStatus mlg_points_align(uint32_t freedom,
+                           const double *points,
+                           const double *targets,
+                           size_t count,
+                           double *out_targets_from_points,
+                           MlgError *error);
 
 /* ================================================================================================
  * Findings: what is suspicious before a reshaping is run, and what mends it.

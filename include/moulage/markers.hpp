@@ -56,6 +56,12 @@ public:
         return Pairs(make(mlg_pairs_from_bone, surface.as_const(), bone.as_const(),
                           person_bone.as_const(), distance));
     }
+    /** The template's vertices that are named, each held at the bone's vertex nearest to it. */
+    static Pairs vertices(const TriMesh &surface, View<std::uint32_t> vertices, const TriMesh &bone,
+                          const TriMesh &person_bone) {
+        return Pairs(make(mlg_pairs_from_vertices, surface.as_const(), vertices.data, vertices.size,
+                          bone.as_const(), person_bone.as_const()));
+    }
     MOULAGE_LENDS(double, template_points, mlg_pairs_template_points, 3)
     /** MLG_NO_VERTEX where a place is no vertex. */
     MOULAGE_LENDS(std::uint32_t, template_vertices, mlg_pairs_template_vertices, 1)

@@ -40,6 +40,19 @@ public:
         call(mlg_tri_mesh_distances_of_points, as_const(), of.data, distances.size(), distances.data());
         return distances;
     }
+    /** The place on the surface nearest to each of some points. */
+    std::vector<double> closest_points(View<double> to) const {
+        std::vector<double> places(to.size);
+        call(mlg_tri_mesh_closest_points, as_const(), to.data, rows(to, 3, "points"), places.data());
+        return places;
+    }
+    /** Values known at some points at each vertex; NaN where no point is near. */
+    std::vector<double> interpolate(View<double> at, View<double> values) const {
+        check_same(values.size, "values", rows(at, 3, "points"), "points");
+        std::vector<double> found(points().size / 3);
+        call(mlg_tri_mesh_interpolate, as_const(), at.data, values.data, values.size, found.data());
+        return found;
+    }
     /** Where the template has to go so that the markers lie on it: a 4x4 matrix, row by row. Landmarks
      * and their targets may be left out. */
     std::vector<double> align(std::uint32_t freedom, View<double> markers,
@@ -77,6 +90,15 @@ public:
     MOULAGE_LENDS(std::uint32_t, tets, mlg_tet_mesh_tets, 4)
     void save(const std::string &path) const { call(mlg_tet_mesh_save, as_const(), path.c_str()); }
 };
+
+/** The motion that brings points nearest to their targets: a 4x4 matrix, row by row. */
+inline std::vector<double> align_points(std::uint32_t freedom, View<double> points, View<double> targets) {
+    const std::size_t count = rows(points, 3, "points");
+    check_same(rows(targets, 3, "targets"), "targets", count, "points");
+    std::vector<double> matrix(16);
+    call(mlg_points_align, freedom, points.data, targets.data, count, matrix.data());
+    return matrix;
+}
 
 }  // namespace moulage
 

@@ -10,7 +10,7 @@
 from .findings import Finding, inspect
 from .interface import VERSION_MAJOR, VERSION_MINOR, VERSION_PATCH
 from .markers import Markers, Pairs
-from .meshes import Surface, TetMesh, TriMesh
+from .meshes import Surface, TetMesh, TriMesh, align
 from .motions import Motion
 from .native import CANCELLED, Error, LibraryError, library
 from .registration import Registration, RegistrationOptions
@@ -31,7 +31,7 @@ __all__ = [
     "Pairs", "Plane", "Progress", "Registration", "RegistrationOptions", "RegistrationResult", "RegistrationSummary",
     "Reshaping", "ReshapingOptions", "ReshapingResult", "ReshapingSummary", "Run", "SeparatedBody", "Separation",
     "SeparationOptions", "SeparationResult", "SeparationSummary", "ShapeModel", "Skeleton", "Surface", "TetMesh", "TetQuality",
-    "Tetrahedralization", "TriMesh", "Volume", "VolumeInfo", "check_library", "inspect", "left_out", "section", "version",
+    "Tetrahedralization", "TriMesh", "Volume", "VolumeInfo", "align", "check_library", "inspect", "left_out", "section", "version",
 ]
 
 __version__ = f"{VERSION_MAJOR}.{VERSION_MINOR}.{VERSION_PATCH}"

@@ -355,6 +355,8 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "tet_mesh_save": (c_void_p, c_char_p, POINTER(MlgError)),
     "tri_mesh_distances_to_points": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
     "tri_mesh_distances_of_points": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "tri_mesh_closest_points": (c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
+    "tri_mesh_interpolate": (c_void_p, c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
     "markers_new": (c_void_p, c_void_p, POINTER(c_char_p), c_size_t, POINTER(c_void_p), POINTER(MlgError)),
     "markers_load": (c_char_p, POINTER(c_void_p), POINTER(MlgError)),
     "markers_save": (c_void_p, c_char_p, POINTER(MlgError)),
@@ -379,12 +381,14 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "pairs_load_landmarks": (c_void_p, c_char_p, c_char_p, POINTER(c_void_p), POINTER(MlgError)),
     "pairs_load_attachments": (c_void_p, c_char_p, c_uint32, POINTER(c_void_p), POINTER(MlgError)),
     "pairs_from_bone": (c_void_p, c_void_p, c_void_p, c_double, POINTER(c_void_p), POINTER(MlgError)),
+    "pairs_from_vertices": (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p, POINTER(c_void_p), POINTER(MlgError)),
     "reshaping_set_landmark_pairs": (c_void_p, c_void_p, POINTER(MlgError)),
     "reshaping_set_attachment_pairs": (c_void_p, c_void_p, POINTER(MlgError)),
     "reshaping_load_fixed": (c_void_p, c_char_p, POINTER(MlgError)),
     "tri_mesh_align": (
         c_void_p, c_uint32, c_void_p, c_size_t, c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError),
     ),
+    "points_align": (c_uint32, c_void_p, c_void_p, c_size_t, c_void_p, POINTER(MlgError)),
     "reshaping_check": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
     "tri_mesh_inspect": (
         c_void_p, c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError),

@@ -189,6 +189,27 @@ class Pairs(Handle):
         template, near, there = (TriMesh.of(each) for each in (surface, bone, person_bone))
         return cls._take(native.make("pairs_from_bone", template, near, there, distance))
 
+    @classmethod
+    def from_vertices(cls, surface: Surface, vertices: ArrayLike, bone: Surface, person_bone: Surface) -> Pairs:
+        """Attach chosen vertices of a surface to a bone, each at the bone's vertex nearest to it.
+
+        Parameters
+        ----------
+        surface, bone : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            The template's soft tissue and its bone.
+        vertices : array_like of int, shape (k,)
+            Of the surface.
+        person_bone : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            The bone's vertices where the person has them.
+
+        Returns
+        -------
+        Pairs
+        """
+        template, near, there = (TriMesh.of(each) for each in (surface, bone, person_bone))
+        held = array(vertices, 1, numpy.uint32, "vertices")
+        return cls._take(native.make("pairs_from_vertices", template, address(held), len(held), near, there))
+
     def __repr__(self) -> str:
         return f"Pairs({len(self.targets)} pairs)"
 

@@ -196,6 +196,43 @@ class TriMesh(Handle):
         native.call("tri_mesh_distances_of_points", self, address(points), len(points), address(distances))
         return distances
 
+    def closest_points(self, points: ArrayLike) -> NDArray[numpy.float64]:
+        """Find the place on the surface that is nearest to each of some points.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 3)
+
+        Returns
+        -------
+        ndarray of float64, shape (k, 3)
+        """
+        points = array(points, 3, numpy.float64, "points")
+        places = numpy.empty((len(points), 3))
+        native.call("tri_mesh_closest_points", self, address(points), len(points), address(places))
+        return places
+
+    def interpolate(self, points: ArrayLike, values: ArrayLike) -> NDArray[numpy.float64]:
+        """Carry values that are known at some points, such as the distances of markers, over to each vertex.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 3)
+            Where the values are known.
+        values : array_like, shape (k,)
+
+        Returns
+        -------
+        ndarray of float64, shape (n,)
+            Means of the four nearest points, weighted by nearness; NaN where no point is near.
+        """
+        points, values = array(points, 3, numpy.float64, "points"), array(values, 1, numpy.float64, "values")
+        if len(values) != len(points):
+            raise ValueError(f"{len(values)} values for {len(points)} points")
+        found = numpy.empty(len(self.points))
+        native.call("tri_mesh_interpolate", self, address(points), address(values), len(points), address(found))
+        return found
+
     def check(self) -> list[str]:
         """Look for what is wrong with it.
 
@@ -209,6 +246,33 @@ class TriMesh(Handle):
 
 # What every method takes that takes a surface.
 Surface: TypeAlias = TriMesh | TrimeshLike | PolyDataLike
+
+
+def align(
+    points: ArrayLike, targets: ArrayLike, freedom: Literal["rigid", "similarity"] = "rigid"
+) -> NDArray[numpy.float64]:
+    """Find the motion that brings points nearest to their targets, in the sense of least squares.
+
+    Parameters
+    ----------
+    points, targets : array_like, shape (n, 3)
+        Pairs, one at least.
+    freedom : {"rigid", "similarity"}
+        Whether the size may change.
+
+    Returns
+    -------
+    ndarray of float64, shape (4, 4)
+        The matrix of the targets from the points.
+    """
+    points, targets = array(points, 3, numpy.float64, "points"), array(targets, 3, numpy.float64, "targets")
+    if len(targets) != len(points):
+        raise ValueError(f"{len(targets)} targets for {len(points)} points")
+    motion = numpy.empty((4, 4))
+    native.call(
+        "points_align", interface.ALIGN[freedom], address(points), address(targets), len(points), address(motion)
+    )
+    return motion
 
 
 class TetMesh(Handle):

@@ -11,7 +11,7 @@ use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{access, buffers, handles};
 use crate::job::{Gap, read_attachment_pairs, read_fixed_vertices, read_landmark_pairs};
 use crate::math::Vec3;
-use crate::reshape::{Landmark, Pair, TemplatePoint, attach_to_bone};
+use crate::reshape::{Landmark, Pair, TemplatePoint, attach_to_bone, attach_vertices};
 
 /// Places on a template with their targets: landmarks or attachments. Immutable; may be read from
 /// many threads.
@@ -164,6 +164,36 @@ pub unsafe extern "C" fn mlg_pairs_from_bone(
         let (rest, person) = (&rest.mesh.points, &person.mesh.points);
         let pairs = attach_to_bone("bone", rest, person, &surface.mesh, distance)?;
         Ok(Pairs::new(pairs, None))
+    })
+}
+
+/// Attaches chosen vertices of a template to a bone: each holds at the bone's vertex nearest to it, at the distance
+/// it has there. `vertices`: `count` indices of the template. `bone` and `person_bone` as in
+/// `mlg_pairs_from_bone`. Free with `mlg_pairs_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_pairs_from_vertices(
+    template_surface: *const MlgTriMesh,
+    vertices: *const u32,
+    count: usize,
+    bone: *const MlgTriMesh,
+    person_bone: *const MlgTriMesh,
+    out_pairs: *mut *mut MlgPairs,
+    error: *mut MlgError,
+) -> MlgStatus {
+    access::make((out_pairs, "out_pairs"), error, || {
+        let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
+        // SAFETY: the caller's promise (see the module).
+        let vertices = unsafe { buffers::list(vertices, count, "vertices")? };
+        let known = surface.mesh.points.len();
+        if let Some(v) = vertices.iter().find(|v| **v as usize >= known) {
+            return Err(Failure::invalid(format!(
+                "vertices: there is no vertex {v}; the template has {known}"
+            )));
+        }
+        let rest = handles::get::<Surface, _>(bone, "bone")?;
+        let person = handles::get::<Surface, _>(person_bone, "person_bone")?;
+        let (rest, person) = (&rest.mesh.points, &person.mesh.points);
+        Ok(Pairs::new(attach_vertices("bone", &vertices, rest, person, &surface.mesh)?, None))
     })
 }
 

@@ -1,9 +1,9 @@
 //! Before a reshaping: where the template is to lie.
 
-use super::boundary::{Failure, MlgError, MlgStatus, guard};
+use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::mesh::{MlgTriMesh, Surface};
 use super::{buffers, handles};
-use crate::align::{Freedom, pre_align};
+use crate::align::{Freedom, Similarity, best_rigid, best_similarity, pre_align};
 
 /// Turn and move only.
 pub const MLG_ALIGN_RIGID: u32 = 0;
@@ -33,15 +33,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_align(
         buffers::check_out(out_person_from_template, "out_person_from_template")?;
         let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
         surface.check_triangles("template_surface")?;
-        let freedom = match freedom {
-            MLG_ALIGN_RIGID => Freedom::Rigid,
-            MLG_ALIGN_SIMILARITY => Freedom::Similarity,
-            other => {
-                return Err(Failure::invalid(format!(
-                    "freedom is {other}; 0 (rigid) and 1 (similarity) are known"
-                )));
-            }
-        };
+        let freedom = freedom_of(freedom)?;
         // SAFETY: the caller's promise (see the module).
         let markers = unsafe { buffers::points(markers, marker_count, "markers")? };
         // SAFETY: as above.
@@ -53,6 +45,47 @@ pub unsafe extern "C" fn mlg_tri_mesh_align(
         unsafe { buffers::copy_out(&buffers::rows_of(&motion.matrix()), out_person_from_template) };
         Ok(())
     })
+}
+
+/// Finds the motion that brings points nearest to their targets, in the sense of least squares (Horn 1987,
+/// Umeyama 1991). One pair gives a translation; where pairs leave the rotation open it is the smallest.
+///
+/// `freedom`: `MLG_ALIGN_RIGID` or `MLG_ALIGN_SIMILARITY`. `points` and `targets`: `3 * count`
+/// coordinates each, at least one pair. `out_targets_from_points`: room for 16 numbers, a 4x4 matrix,
+/// row by row.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_points_align(
+    freedom: u32,
+    points: *const f64,
+    targets: *const f64,
+    count: usize,
+    out_targets_from_points: *mut f64,
+    error: *mut MlgError,
+) -> MlgStatus {
+    guard(error, || {
+        buffers::check_out(out_targets_from_points, "out_targets_from_points")?;
+        // SAFETY: the caller's promise (see the module).
+        let from = unsafe { buffers::some_points(points, count, "points")? };
+        // SAFETY: as above.
+        let to = unsafe { buffers::points(targets, count, "targets")? };
+        let motion = match freedom_of(freedom)? {
+            Freedom::Rigid => Similarity::from(best_rigid(&from, &to, None)?),
+            Freedom::Similarity => best_similarity(&from, &to, None)?,
+        };
+        // SAFETY: as above.
+        unsafe { buffers::copy_out(&buffers::rows_of(&motion.matrix()), out_targets_from_points) };
+        Ok(())
+    })
+}
+
+fn freedom_of(code: u32) -> Outcome<Freedom> {
+    match code {
+        MLG_ALIGN_RIGID => Ok(Freedom::Rigid),
+        MLG_ALIGN_SIMILARITY => Ok(Freedom::Similarity),
+        other => Err(Failure::invalid(format!(
+            "freedom is {other}; 0 (rigid) and 1 (similarity) are known"
+        ))),
+    }
 }
 
 #[cfg(test)]

@@ -186,6 +186,23 @@ impl BoxTree {
     ) -> Option<(u32, f64, T)> {
         let mut best: Option<(u32, f64, T)> = None;
         let mut bound = limit;
+        self.visit_nearest(p, limit, |item, place| {
+            let (value, kept) = measure(item, place);
+            let lower = best.as_ref().is_none_or(|b| value < b.1 || item < b.0);
+            if value <= bound && lower {
+                bound = value;
+                best = Some((item, value, kept));
+            }
+            bound
+        });
+        best
+    }
+
+    /// Calls `visit` for items, those of nearer boxes first, and leaves out boxes that are farther than the
+    /// last squared distance it returned, `limit` at first. `visit` gets the item and its place in
+    /// [`Self::items`].
+    pub fn visit_nearest(&self, p: &Vec3, limit: f64, mut visit: impl FnMut(u32, usize) -> f64) {
+        let mut bound = limit;
         let mut stack = [(0_u32, 0.0_f64); 64];
         let mut depth = 0;
         if let Some(root) = self.nodes.first() {
@@ -212,16 +229,9 @@ impl BoxTree {
                 continue;
             }
             for place in node.first as usize..(node.first + node.count) as usize {
-                let item = self.items[place];
-                let (value, kept) = measure(item, place);
-                let lower = best.as_ref().is_none_or(|b| value < b.1 || item < b.0);
-                if value <= bound && lower {
-                    bound = value;
-                    best = Some((item, value, kept));
-                }
+                bound = visit(self.items[place], place);
             }
         }
-        best
     }
 
     /// One value per node, from the leaves up: `leaf` of a leaf's items, `join` of two children.

@@ -1,5 +1,6 @@
 //! Distances between points and surfaces, and figures of many.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::locate::{ClosestPoints, NearestPoints};
@@ -42,7 +43,7 @@ pub fn marker_distances(points: &[Vec3], triangles: &[[u32; 3]], markers: &[Vec3
 /// Distance of each surface vertex to the nearest marker.
 pub fn distance_to_markers(points: &[Vec3], markers: &[Vec3]) -> Vec<f64> {
     let nearest = NearestPoints::new(markers);
-    points.iter().map(|p| nearest.nearest(p).map_or(0.0, |(_, distance)| distance)).collect()
+    points.par_iter().map(|p| nearest.nearest(p).map_or(0.0, |(_, distance)| distance)).collect()
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ impl Registered {
         let apart = apart.map(|(joint, _)| (joint.seam, joint.name.as_str()));
         if let Some(worst) = worst_joints(apart, 2) {
             warnings.push(format!(
-                "the two bones disagree on the centre by more than twice the allowed shift in {worst}"
+                "the bones found on both sides leave more than twice the allowed gap at the joints, by length: {worst}; look whether those bones are right"
             ));
         }
         warnings

@@ -46,7 +46,7 @@ pub use inspect::{Data, inspect, inspect_data};
 pub use legs::{reshape, reshape_again};
 pub use linearization::Linearization;
 pub use options::{Options, Tolerances};
-pub use pairs::{Pair, attach_to_bone, keep_gaps};
+pub use pairs::{Pair, attach_to_bone, attach_vertices, keep_gaps};
 pub use problem::{Landmark, Marker, Problem, TemplatePoint};
 pub use refine::{Refinement, find_borders};
 pub use reshaped::Reshaped;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::problem::{Landmark, TemplatePoint};
 use crate::align::{Rigid, best_rigid};
 use crate::error::{Error, Result};
-use crate::locate::ClosestPoints;
+use crate::locate::{ClosestPoints, NearestPoints};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
@@ -65,14 +65,7 @@ pub fn attach_to_bone(
     surface: &TriMesh,
     distance: f64,
 ) -> Result<Vec<Pair>> {
-    if rest.len() != person.len() {
-        return Err(Error::invalid(format!(
-            "the bone has {} vertices and its target {}; they need the same vertices",
-            rest.len(),
-            person.len()
-        )));
-    }
-    let motion = best_rigid(rest, person, None)?;
+    let motion = motion_of_bone(rest, person)?;
     let closest = ClosestPoints::new(&surface.points, &surface.triangles);
     let pairs: Vec<Pair> = rest
         .iter()
@@ -95,6 +88,47 @@ pub fn attach_to_bone(
         )));
     }
     Ok(pairs)
+}
+
+/// Links chosen vertices of the template to a bone, each to the bone's vertex nearest to it, and keeps the gap as
+/// [`attach_to_bone`] does.
+pub fn attach_vertices(
+    name: &str,
+    vertices: &[u32],
+    rest: &[Vec3],
+    person: &[Vec3],
+    surface: &TriMesh,
+) -> Result<Vec<Pair>> {
+    let motion = motion_of_bone(rest, person)?;
+    let nearest = NearestPoints::new(rest);
+    let pair = |&vertex: &u32| {
+        let position = surface.points[vertex as usize];
+        let (near, _) = nearest.nearest(&position)?;
+        let (own, there) = (rest[near as usize], person[near as usize]);
+        Some(Pair {
+            label: name.to_owned(),
+            position,
+            vertex: Some(vertex),
+            target: there + motion.rotation * (position - own),
+            weight: 1.0,
+            within: None,
+        })
+    };
+    Ok(vertices.iter().filter_map(pair).collect())
+}
+
+fn motion_of_bone(rest: &[Vec3], person: &[Vec3]) -> Result<Rigid> {
+    if rest.is_empty() {
+        return Err(Error::invalid("the bone has no vertices"));
+    }
+    if rest.len() != person.len() {
+        return Err(Error::invalid(format!(
+            "the bone has {} vertices and its target {}; they need the same vertices",
+            rest.len(),
+            person.len()
+        )));
+    }
+    best_rigid(rest, person, None)
 }
 
 /// Adds to each target the template's gap, turned as the bone (all attachments of one label) is
@@ -134,6 +168,19 @@ fn bone_motion(pairs: &[Pair], basis: &[(usize, Vec3)]) -> Result<Rigid> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn chosen_vertices_keep_their_gap_to_the_nearest_vertex_of_the_bone() {
+        let bone = [[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0]].map(Vec3::from);
+        let turn = |p: Vec3| Vec3::new(-p.y + 5.0, p.x, p.z);
+        let surface =
+            TriMesh { points: vec![Vec3::zeros(), Vec3::new(8.0, 0.0, 1.0)], ..TriMesh::default() };
+        let held = attach_vertices("origin", &[1], &bone, &bone.map(turn), &surface).unwrap();
+        assert_eq!((held.len(), held[0].vertex), (1, Some(1)));
+        assert!((held[0].target - turn(surface.points[1])).norm() < 1e-12);
+        let error = attach_vertices("origin", &[1], &bone, &bone[..2], &surface).unwrap_err();
+        assert!(error.to_string().contains("3 vertices and its target 2"), "{error}");
+    }
 
     #[test]
     fn the_gap_turns_with_the_bone() {

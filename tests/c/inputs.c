@@ -30,7 +30,7 @@ static void marker_files(const char *folder) {
 
 static void pairs_and_fixed(const char *folder) {
     double points[3 * POINTS], moved[3 * POINTS], matrix[16], turned[3], *p = NULL;
-    uint32_t triangles[3 * TRIANGLES], one_triangle[] = {0, 1, 2};
+    uint32_t triangles[3 * TRIANGLES], one_triangle[] = {0, 1, 2}, none = MLG_NO_VERTEX;
     char path[300], text[2000];
     MlgTriMesh *mesh = sphere_mesh(points), *bone = NULL, *bone_there = NULL;
     MlgReshaping *problem = sphere_problem(points, 200);
@@ -137,6 +137,12 @@ static void pairs_and_fixed(const char *folder) {
     CHECK(count == 3 && fabs(mlg_pairs_targets(pairs, NULL)[2] - p[2] - 1) < 1e-9);
     CHECK(mlg_reshaping_set_attachment_pairs(problem, pairs, &error) == MLG_STATUS_OK);
     mlg_pairs_free(pairs);
+    CHECK(mlg_pairs_from_vertices(mesh, one_triangle, 2, bone, bone_there, &pairs, &error) == MLG_STATUS_OK);
+    p = (double *)mlg_pairs_template_points(pairs, &count);
+    CHECK(count == 2 && fabs(mlg_pairs_targets(pairs, NULL)[5] - p[5] - 1) < 1e-9);
+    mlg_pairs_free(pairs);
+    CHECK(mlg_pairs_from_vertices(mesh, &none, 1, bone, bone, &pairs, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(error.message, "there is no vertex 4294967295") != NULL);
     CHECK(mlg_pairs_from_bone(mesh, bone, bone, NAN, &pairs, &error) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(mlg_pairs_from_bone(mesh, bone_there, bone, 1e-9, &pairs, &error) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(strstr(error.message, "no vertex of the bone") != NULL);
@@ -165,19 +171,29 @@ static void pairs_and_fixed(const char *folder) {
     CHECK(mlg_tri_mesh_align(mesh, 9, points, POINTS, NULL, NULL, 0, matrix, &error) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(mlg_tri_mesh_align(mesh, MLG_ALIGN_RIGID, points, 1, NULL, NULL, 0, matrix, &error) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(mlg_tri_mesh_align(mesh, MLG_ALIGN_RIGID, points, POINTS, NULL, NULL, 0, NULL, &error) == MLG_STATUS_NULL_ARGUMENT);
+    CHECK(mlg_points_align(MLG_ALIGN_SIMILARITY, points, moved, 3, matrix, &error) == MLG_STATUS_OK);
+    CHECK(fabs(matrix[1] + 2) < 1e-9 && fabs(matrix[11] - 7) < 1e-9 && matrix[15] == 1);
+    CHECK(mlg_points_align(MLG_ALIGN_RIGID, points, moved, 0, matrix, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(mlg_points_align(9, points, moved, 3, matrix, &error) == MLG_STATUS_INVALID_ARGUMENT);
     mlg_tri_mesh_free(bone);
     mlg_tri_mesh_free(mesh);
     mlg_reshaping_free(problem);
 }
 
 static void distances(void) {
-    double points[3 * POINTS], to[POINTS], of[2];
+    double points[3 * POINTS], to[POINTS], of[2], places[6];
     const double markers[] = {0, 0, 3, 0, 0, -1};
     MlgTriMesh *mesh = sphere_mesh(points), *cloud = NULL;
     CHECK(mlg_tri_mesh_distances_to_points(mesh, markers, 2, to, &error) == MLG_STATUS_OK);
     CHECK(to[0] == 2 && to[POINTS - 1] == 0);
     CHECK(mlg_tri_mesh_distances_of_points(mesh, markers, 2, of, &error) == MLG_STATUS_OK);
     CHECK(of[0] == 2 && of[1] == 0);
+    CHECK(mlg_tri_mesh_closest_points(mesh, markers, 2, places, &error) == MLG_STATUS_OK);
+    CHECK(places[2] == 1 && places[5] == -1);
+    CHECK(mlg_tri_mesh_interpolate(mesh, markers, of, 2, to, &error) == MLG_STATUS_OK);
+    CHECK(fabs(to[0] - 1) < 1e-9 && to[POINTS - 1] < 0.1);
+    CHECK(mlg_tri_mesh_interpolate(mesh, markers, NULL, 2, to, &error) == MLG_STATUS_NULL_ARGUMENT);
+    CHECK(mlg_tri_mesh_closest_points(mesh, markers, 2, NULL, &error) == MLG_STATUS_NULL_ARGUMENT);
     CHECK(mlg_tri_mesh_distances_to_points(mesh, markers, 0, to, &error) == MLG_STATUS_INVALID_ARGUMENT);
     CHECK(mlg_tri_mesh_distances_of_points(mesh, markers, 2, NULL, &error) == MLG_STATUS_NULL_ARGUMENT);
     CHECK(mlg_tri_mesh_new(points, POINTS, NULL, 0, &cloud, &error) == MLG_STATUS_OK);

@@ -96,6 +96,10 @@ int main() {
     CHECK(findings.text(0).find("metres beside millimetres") != std::string::npos);
     CHECK(mesh.distances_to(markers).size() == POINTS);
     CHECK(mesh.distances_of(mesh.points())[5] < 1e-12);
+    CHECK(mesh.closest_points(mesh.points()).size() == 3 * POINTS);
+    const std::vector<double> twos(POINTS, 2.0);
+    CHECK(mesh.interpolate(mesh.points(), twos)[3] == 2);
+    CHECK(moulage::align_points(MLG_ALIGN_RIGID, mesh.points(), mesh.points())[0] > 0.999);
     CHECK(result.max_stretches()[0] >= result.min_stretches()[0]);
     const std::vector<double> still =
         mesh.align(MLG_ALIGN_RIGID, {}, mesh.points(), mesh.points());

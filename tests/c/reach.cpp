@@ -122,6 +122,9 @@ static ReshapingResult reshaped(const Tetrahedralization &tets) {
     const std::vector<std::uint32_t> fixed = {5}, beyond = {POINTS};
     other.set_fixed(fixed);
     CHECK(status_of([&] { other.set_fixed(beyond); }) == MLG_STATUS_INVALID_ARGUMENT);
+    const std::vector<std::uint32_t> third = {3};
+    const Pairs of_vertices = Pairs::vertices(ball.mesh(), third, ball.mesh(), larger.mesh());
+    CHECK(of_vertices.template_vertices()[0] == 3);
     const Pairs of_bone = Pairs::bone(ball.mesh(), ball.mesh(), larger.mesh(), 0.1);
     CHECK(of_bone.targets().size == 3 * POINTS);
     CHECK(status_of([&] { Pairs::attachments(ball.mesh(), in_folder("none.csv")); }) == MLG_STATUS_IO);

@@ -39,6 +39,7 @@ def reshape(folder: Path) -> moulage.ReshapingResult:
     pairs: moulage.Pairs = moulage.Pairs.load_landmarks(cube(), folder / "pairs.csv")
     doubts: list[moulage.Finding] = moulage.inspect(cube(), markers, pairs, fixed=[0])
     assert [(d.concern, d.severity) for d in doubts] == [("amount", "note")]
+    assert abs(moulage.align(cube().points, cube().points) - numpy.eye(4)).max() < 1e-12
     problem = moulage.Reshaping(tets)
     problem.set_markers(markers)
     problem.set_landmarks(pairs)

@@ -69,6 +69,24 @@ class Answers(unittest.TestCase):
         numpy.testing.assert_allclose(self.surface.distances_of([[0.5, 0.5, 3], [0.5, 0.5, 0.5]]), [2, 0.5])
         numpy.testing.assert_allclose(self.surface.distances_to([[0, 0, 2]]), numpy.linalg.norm(self.points - (0, 0, 2), axis=1))
 
+    def test_places_and_values_of_points_are_found_on_a_surface(self):
+        numpy.testing.assert_allclose(self.surface.closest_points([[0.5, 0.5, 3], [2, 2, 2]]), [[0.5, 0.5, 1], [1, 1, 1]])
+        heights = self.surface.interpolate(self.points, self.points[:, 2])
+        numpy.testing.assert_allclose(heights, self.points[:, 2], atol=0.05)
+        near = self.surface.interpolate(self.points[:1] + [[0, 0, 0], [0.01, 0, 0]], [1, 3])
+        self.assertAlmostEqual(near[0], 1, delta=0.05)
+        self.assertTrue(numpy.isnan(near[-1]))
+        with self.assertRaisesRegex(ValueError, "1 values for 2 points"):
+            self.surface.interpolate(self.points[:2], [1])
+
+    def test_pairs_of_points_are_aligned(self):
+        turned = 2 * self.points[:, [1, 0, 2]] * (-1, 1, 1) + (5, 0, 0)
+        matrix = moulage.align(self.points, turned, "similarity")
+        numpy.testing.assert_allclose(matrix, [[0, -2, 0, 5], [2, 0, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]], atol=1e-12)
+        numpy.testing.assert_allclose(numpy.linalg.det(moulage.align(self.points, turned)[:3, :3]), 1)
+        with self.assertRaisesRegex(ValueError, "1 targets for 2"):
+            moulage.align(self.points[:2], self.points[:1])
+
     def test_a_moved_cube_is_placed_and_saved_with_its_points(self):
         moved = self.points + (5, 0, 0)
         matrix = self.surface.align(landmarks=self.points, targets=moved, markers=moved)
@@ -109,6 +127,11 @@ class Answers(unittest.TestCase):
         there = moulage.TriMesh(self.points + (2.1, 0, 0), self.triangles)
         held = moulage.Pairs.from_bone(self.surface, bone, there, 0.2)
         numpy.testing.assert_allclose(held.targets - held.template_points, [[1, 0, 0]] * 4, atol=1e-12)
+        chosen = moulage.Pairs.from_vertices(self.surface, [0, 7], bone, there)
+        numpy.testing.assert_array_equal(chosen.template_vertices, [0, 7])
+        numpy.testing.assert_allclose(chosen.targets - chosen.template_points, [[1, 0, 0]] * 2, atol=1e-12)
+        with self.assertRaisesRegex(moulage.Error, "there is no vertex 8"):
+            moulage.Pairs.from_vertices(self.surface, [8], bone, there)
         with self.assertRaisesRegex(moulage.Error, "target"):
             moulage.Pairs.load_attachments(self.surface, self.file("bad.csv", "vertex\n7\n"))
 
