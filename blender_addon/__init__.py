@@ -15,7 +15,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import (
-    live_edit, menu, operators, overlay, panels, preferences, properties, runs, scan, separate_panels,
+    live_edit, menu, once, operators, overlay, panels, preferences, properties, runs, scan, separate_panels,
     separate_properties, skeleton_panels, skeleton_properties, solve,
 )
 from .library import Wrong
@@ -64,6 +64,7 @@ def _follow_slices(*_arguments):
 
 
 _handlers = (
+    *((name, once.forget) for name in ("load_post", "undo_post", "redo_post", "depsgraph_update_post", "frame_change_post")),
     ("load_pre", _before_another_file), ("load_post", _draw_slices), ("load_post", _after_loading),
     ("undo_post", _draw_slices), ("undo_post", _after_undo),
     ("redo_post", _draw_slices), ("redo_post", _after_undo), ("depsgraph_update_post", _follow_slices),

@@ -3,7 +3,6 @@
 bone is turned."""
 
 import numpy
-from mathutils.kdtree import KDTree
 
 from . import mesh_data
 from .library import Wrong, calls
@@ -15,16 +14,15 @@ def pairs(template, rest, faces):
     points, targets = [numpy.zeros((0, 3))], [numpy.zeros((0, 3))]
     for attachment in template.moulage.attachments:
         bone, target = _bones(attachment)
-        if attachment.by == "GROUP":
-            own = _group_vertices(template, attachment, rest)
-            turn = mesh_data.best_rigid(bone, target)[:3, :3]
-            near = _nearest_vertices(bone, own)
-            points.append(own)
-            targets.append(target[near] + (own - bone[near]) @ turn.T)
-        else:
-            found = _near_bone(attachment, rest, faces, bone, target)
-            points.append(found.template_points)
-            targets.append(found.targets)
+        own = mesh_data.triangles(attachment.bone)
+        with calls() as library:
+            surfaces = library.TriMesh(rest, faces), library.TriMesh(bone, own), library.TriMesh(target, own)
+            if attachment.by == "GROUP":
+                found = library.Pairs.from_vertices(surfaces[0], _group_vertices(template, attachment), *surfaces[1:])
+            else:
+                found = library.Pairs.from_bone(*surfaces, attachment.distance)
+        points.append(found.template_points)
+        targets.append(found.targets)
     return numpy.vstack(points), numpy.vstack(targets)
 
 
@@ -44,26 +42,10 @@ def _bones(attachment):
     return bone, target
 
 
-def _group_vertices(template, attachment, rest):
+def _group_vertices(template, attachment):
     weights = mesh_data.group_weights(template, attachment.group)
     if weights is None:
         raise Wrong(f"'{attachment.name}': the template has no vertex group '{attachment.group}'.")
     if not (weights > 0.5).any():
         raise Wrong(f"The vertex group '{attachment.group}' has no vertices of a weight above 0.5.")
-    return rest[weights > 0.5]
-
-
-def _nearest_vertices(bone, points):
-    tree = KDTree(len(bone))
-    for index, place in enumerate(bone):
-        tree.insert(place, index)
-    tree.balance()
-    return numpy.array([tree.find(p)[1] for p in points])
-
-
-def _near_bone(attachment, rest, faces, bone, target):
-    own = mesh_data.triangles(attachment.bone)
-    with calls() as library:
-        return library.Pairs.from_bone(
-            library.TriMesh(rest, faces), library.TriMesh(bone, own), library.TriMesh(target, own), attachment.distance
-        )
+    return numpy.flatnonzero(weights > 0.5)

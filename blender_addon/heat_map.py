@@ -2,18 +2,16 @@
 """Heat maps: values per vertex turned into a colour attribute, and the viewport that shows it."""
 
 import numpy
-from mathutils.kdtree import KDTree
 
 from . import mesh_data, views
+from .library import calls
 
 COLOUR = "moulage_heat"
+# The distance of each marker, on the template object.
+_MARKER_DISTANCES = "moulage_marker_distances"
+# The viewport's colours and light before a heat map was shown, on the template object.
+_SHADING = "moulage_shading"
 SOURCES = {"DISTANCE": "moulage_distance", "STRETCH": "moulage_stretch"}
-# How many markers around a vertex count.
-_NEIGHBOURS = 4
-# Farther from its nearest marker than so many times the markers' usual spacing, a vertex has no value.
-_REACH = 3.0
-# Vertices within so many spacings of each other share a value.
-_CELL = 0.1
 _NO_VALUE = (0.35, 0.35, 0.35)
 
 # Linear colours at equal steps. Distance: dark blue (on the surface) to yellow (far off), after viridis.
@@ -25,37 +23,13 @@ _DISTANCE = numpy.array([
 _STRETCH = numpy.array([(0.02, 0.08, 0.45), (0.25, 0.45, 0.75), (0.85, 0.85, 0.85), (0.75, 0.25, 0.15), (0.4, 0.01, 0.02)])
 
 
-def spread(points, markers, distances):
-    """The distance of the nearest markers at each point (n,), weighted by nearness; -1 where no marker
-    is near."""
-    if len(markers) == 0 or len(points) == 0:
+def spread(points, triangles, markers, distances):
+    """The distance of the nearest markers at each vertex of a surface (n,), weighted by nearness; -1 where no
+    marker is near."""
+    if len(markers) == 0:
         return numpy.full(len(points), -1.0)
-    tree = KDTree(len(markers))
-    for index, place in enumerate(markers):
-        tree.insert(place, index)
-    tree.balance()
-    gaps = [tree.find_n(place, 2)[-1][2] for place in markers[:: max(1, len(markers) // 500)]]
-    spacing = max(float(numpy.median(gaps)), 1e-6 * float(numpy.ptp(points, axis=0).max()), 1e-30)
-    places, cell_of_point = _cells(points, _CELL * spacing)
-    return numpy.array([_near_value(tree, place, distances, spacing) for place in places])[cell_of_point]
-
-
-def _cells(points, size):
-    """One point of each cube of a grid that holds some, and the number of each point's cube: a fine mesh
-    needs no value of its own at every vertex."""
-    grid = numpy.floor((points - points.min(axis=0)) / size).astype(numpy.int64)
-    counts = grid.max(axis=0) + 1
-    number = (grid[:, 0] * counts[1] + grid[:, 1]) * counts[2] + grid[:, 2]
-    _, first, cell_of_point = numpy.unique(number, return_index=True, return_inverse=True)
-    return points[first], cell_of_point.ravel()
-
-
-def _near_value(tree, place, distances, spacing):
-    near = tree.find_n(place, _NEIGHBOURS)
-    if near[0][2] > _REACH * spacing:
-        return -1.0
-    weights = [1.0 / (gap * gap + 0.01 * spacing * spacing) for _, _, gap in near]
-    return sum(w * distances[n[1]] for w, n in zip(weights, near)) / sum(weights)
+    with calls() as library:
+        return numpy.nan_to_num(library.TriMesh(points, triangles).interpolate(markers, distances), nan=-1.0)
 
 
 def _interpolate(table, share):
@@ -65,16 +39,28 @@ def _interpolate(table, share):
     return table[low] * (1 - rest) + table[low + 1] * rest
 
 
-def value_range(kind, values):
-    """The values at the two ends of the scale."""
+def keep_marker_distances(template, distances):
+    template[_MARKER_DISTANCES] = distances.tolist()
+
+
+def marker_distances(template):
+    """The distance of each marker after the last run (n,), or None."""
+    kept = template.get(_MARKER_DISTANCES)
+    return None if kept is None else numpy.array(kept)
+
+
+def value_range(kind, values, limit=0.0):
+    """The values at the two ends of the scale: up to `limit`, or if it is 0 up to the 99th percentile. A stretch goes
+    as far down as up, so that 1 is in the middle."""
     known = values[values >= 0]
-    if len(known) == 0:
-        return 0.0, 1.0
     if kind == "STRETCH":
-        # As far down as up, so that 1 is in the middle.
-        factor = max(float(numpy.percentile(known, 99)), 1 / max(float(numpy.percentile(known, 1)), 1e-6), 1.01)
+        if limit <= 1.0 and len(known):
+            limit = max(float(numpy.percentile(known, 99)), 1 / max(float(numpy.percentile(known, 1)), 1e-6))
+        factor = max(limit, 1.01)
         return 1 / factor, factor
-    return 0.0, max(float(numpy.percentile(known, 99)), 1e-12)
+    if limit <= 0.0 and len(known):
+        limit = float(numpy.percentile(known, 99))
+    return 0.0, max(limit, 1e-12)
 
 
 def colours(kind, values, low, high):
@@ -95,7 +81,8 @@ def paint(template):
     values = mesh_data.attribute(template.data, SOURCES.get(kind, ""))
     if values is None:
         return
-    low, high = value_range(kind, values)
+    limit = template.moulage.heat_limit if kind == "DISTANCE" else template.moulage.stretch_limit
+    low, high = value_range(kind, values, limit)
     template.moulage.result.heat_range = (low, high)
     mesh_data.set_attribute(template.data, COLOUR, "FLOAT_COLOR", colours(kind, values, low, high))
     attributes = template.data.color_attributes
@@ -112,8 +99,9 @@ def show(context, template, kind):
 
 
 def _set_shading(template, shading, on):
+    """Vertex colours without light, which would change them; or what there was before."""
     if on and shading.color_type != "VERTEX":
-        template["moulage_shading"] = shading.color_type
-        shading.color_type = "VERTEX"
+        template[_SHADING] = f"{shading.color_type} {shading.light}"
+        shading.color_type, shading.light = "VERTEX", "FLAT"
     elif not on and shading.color_type == "VERTEX":
-        shading.color_type = template.get("moulage_shading", "MATERIAL")
+        shading.color_type, shading.light = template.get(_SHADING, "MATERIAL STUDIO").split()

@@ -57,15 +57,19 @@ def without_partner(template):
 
 def mirror(context, template, surface):
     """For each landmark with a side, its partner on the other side of the template's own x = 0, where there is
-    none; on the surface, at the place nearest to the mirrored one. Returns their names. `surface`: the places
-    nearest to world points at rest."""
-    own = template.matrix_world
-    wanted = [
-        (flipped(l.name), own.inverted_safe() @ l.template.matrix_world.translation) for l in without_partner(template)
-    ]
-    for name, place in wanted:
-        add(context, template, name, template_point=surface(own @ mathutils.Vector((-place.x, place.y, place.z))))
-    return [name for name, _ in wanted]
+    none; at the place of `surface`, the library's of the template at rest, that is nearest to the mirrored one.
+    Returns their names."""
+    waiting = without_partner(template)
+    if not waiting:
+        return []
+    own = mesh_data.matrix(template)
+    places = numpy.array([position(landmark.template) for landmark in waiting])
+    mirrored = mesh_data.transform(numpy.linalg.inv(own), places) * (-1, 1, 1)
+    nearest = surface.closest_points(mesh_data.transform(own, mirrored))
+    names = [flipped(landmark.name) for landmark in waiting]
+    for name, place in zip(names, nearest):
+        add(context, template, name, template_point=place)
+    return names
 
 
 def _empty(context, template, name, shape):

@@ -21,6 +21,16 @@ def rest_points(mesh):
     return key_points(keys.reference_key) if keys else _get(mesh.vertices, "co")
 
 
+def shown_points(ob):
+    """The vertices of a mesh as its shape keys show them, in world coordinates (n, 3)."""
+    points = rest_points(ob.data)
+    keys = ob.data.shape_keys
+    for key in keys.key_blocks[1:] if keys else ():
+        if key.value != 0 and not key.mute:
+            points = points + key.value * (key_points(key) - key_points(key.relative_key))
+    return transform(matrix(ob), points.astype(numpy.float64))
+
+
 def key_points(key):
     # Fast, but only since Blender 4.1.
     return _get(key.points if hasattr(key, "points") else key.data, "co")
@@ -93,19 +103,3 @@ def attribute(mesh, name):
     values = numpy.empty(len(found.data), numpy.float32)
     found.data.foreach_get("value", values)
     return values
-
-
-def best_rigid(points, targets, with_scale=False):
-    """The rigid motion (or similarity) that brings paired points nearest, as 4x4 matrix; least
-    squares (Umeyama 1991)."""
-    centre, centre_target = points.mean(axis=0), targets.mean(axis=0)
-    source, target = points - centre, targets - centre_target
-    u, s, vt = numpy.linalg.svd(target.T @ source)
-    signs = numpy.array([1.0, 1.0, numpy.sign(numpy.linalg.det(u @ vt))])
-    rotation = (u * signs) @ vt
-    spread = (source**2).sum()
-    scale = (s * signs).sum() / spread if with_scale and spread > 0 else 1.0
-    motion = numpy.eye(4)
-    motion[:3, :3] = scale * rotation
-    motion[:3, 3] = centre_target - motion[:3, :3] @ centre
-    return motion

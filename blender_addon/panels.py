@@ -100,8 +100,11 @@ class MOULAGE_PT_scan(Panel, bpy.types.Panel):
                 row.prop(settings, view.lower())
             else:
                 row.label(text="Oblique")
-            row.operator("moulage.look_at_slice", text="", icon="VIEW_ORTHO").view = view
+            looked_at = settings.looking_at == view
+            row.operator("moulage.look_at_slice", text="", icon="VIEW_ORTHO", depress=looked_at).view = view
             row.prop(empty, "hide_viewport", text="")
+        if settings.looking_at:
+            layout.operator("moulage.look_at_slice", text="Back to All", icon="LOOP_BACK").view = settings.looking_at
         row = layout.row(align=True)
         row.prop(settings, "window_width")
         row.prop(settings, "window_level")
@@ -146,7 +149,8 @@ class MOULAGE_UL_landmarks(bpy.types.UIList):
             split.label(text="half")
         elif item.residual >= 0:
             # The unit would not fit; the line below the list has it.
-            split.label(text=f"{units.millimetres(context.scene, item.residual):.3g}")
+            size, _name = units.unit(context.scene, item.residual)
+            split.label(text=units.number(item.residual / size))
 
 
 class MOULAGE_PT_markers(NeedsTemplate, bpy.types.Panel):
@@ -332,6 +336,8 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
         row = layout.row(align=True)
         for kind, label in (("NONE", "Plain"), ("DISTANCE", "Distance"), ("STRETCH", "Stretch")):
             row.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
+        if data.heat != "NONE":
+            layout.prop(data, "heat_limit" if data.heat == "DISTANCE" else "stretch_limit")
         layout.operator("moulage.copy_result", icon="DUPLICATE")
         row = layout.row()
         row.prop(context.window_manager.moulage, "live_edit", toggle=True, icon="MOD_SIMPLEDEFORM")
@@ -340,12 +346,12 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
         column = layout.column(align=True)
         column.scale_y = 0.8
         if kept.mean_distance >= 0:
-            mean, largest = (units.text(context.scene, v) for v in (kept.mean_distance, kept.max_distance))
+            mean, largest = units.texts(context.scene, kept.mean_distance, kept.max_distance)
             column.label(text=f"Markers: mean {mean},")
             column.label(text=f"largest {largest}")
             if kept.mean_before >= 0:
                 column.label(text=f"before editing {units.text(context.scene, kept.mean_before)}")
-        column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
+        column.label(text=f"{kept.iterations} step{'s' if kept.iterations != 1 else ''}, {kept.seconds:.0f} s")
         if kept.inverted_tets:
             column.label(text=f"{kept.inverted_tets} inverted tets: folded there", icon="ERROR")
 

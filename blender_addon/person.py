@@ -8,7 +8,7 @@ import bpy
 import mathutils
 import numpy
 
-from . import library, mesh_data, rig, skeleton, units
+from . import blend, library, mesh_data, rig, skeleton, slice_view, units, views
 
 # Marks objects that a run made, and the next one may remove.
 MADE = "moulage_made"
@@ -96,16 +96,25 @@ def write(context, armature, run, found, seconds):
     motions = _motions(template, points)
     frames = _frames(template, native, motions, unit)
     own = _copy_armature(context, armature, template, native, frames, motions, collection, unit)
+    copies = []
     for ob, name, shape in zip(template.objects, template.names, points):
         copy = _copy_mesh(ob, collection, f"{ob.name} person")
         place = motions[name][0] @ ob.matrix_world
         rig.hang(context, copy, own, name, place)
         _set_points(copy, place, shape)
-    _carry(armature, own, run, found, collection)
+        copies.append((ob, copy))
+    meshes = {name: copy for name, (_ob, copy) in zip(template.names, copies)}
+    copies += _carry(own, run, found, collection)
+    context.view_layer.update()
+    for ob, copy in copies:
+        blend.add(copy, mesh_data.world_points(ob))
     data.person = own
+    slice_view.leave(context)
+    views.show(context, parts(armature, "TEMPLATE"), False)
+    views.select_only(context, own)
     own.moulage_skeleton.person = None
     kept = own.moulage_skeleton.result
-    _keep(own, template, found, kept, seconds, unit)
+    _keep(own, template, found, kept, seconds, unit, meshes)
     context.view_layer.update()
     return sentence(context.scene, own)
 
@@ -115,7 +124,8 @@ def _motions(template, points):
     found = {}
     for name, before, after in zip(template.names, template.points, points):
         rest = before / template.scale
-        motion = mathutils.Matrix(mesh_data.best_rigid(rest, after).tolist())
+        with library.calls() as package:
+            motion = mathutils.Matrix(package.align(rest, after).tolist())
         spread = [numpy.linalg.norm(p - p.mean(axis=0)) for p in (rest, after)]
         found[name] = motion, float(spread[1] / spread[0]) if spread[0] > 0 else 1.0
     return found
@@ -213,17 +223,21 @@ def _move_loops(copy, template, native, frames, unit):
             loop.child_frame = skeleton.flat(frames[child].inverted() @ _frame(joint.child_frame, unit))
 
 
-def _carry(armature, own, run, found, collection):
+def _carry(own, run, found, collection):
+    """Copies the soft tissues into the person; returns each with its copy."""
     carried = own.moulage_skeleton.carried
     carried.clear()
+    copies = []
     for ob, surface in run.tissues:
         copy = _copy_mesh(ob, collection, f"{ob.name} person")
         copy.parent, copy.matrix_world = None, ob.matrix_world.copy()
         _set_points(copy, ob.matrix_world, found.carry(surface) * run.unit)
         carried.add().object = copy
+        copies.append((ob, copy))
+    return copies
 
 
-def _keep(own, template, found, kept, seconds, unit):
+def _keep(own, template, found, kept, seconds, unit, meshes):
     summary = found.summary
     kept.verdict = summary["verdict"]
     kept.ending = "Stopped: what there was is kept." if summary["cancelled"] else _ENDINGS[kept.verdict]
@@ -232,11 +246,12 @@ def _keep(own, template, found, kept, seconds, unit):
     kept.warnings = "\n".join(library.sentence(line) for line in found.warnings)
     kept.bones.clear()
     fits = [(name, found.bone_fit(number)) for number, name in enumerate(template.names)]
-    for verdict in ("failed", "doubtful"):
+    for verdict in ("failed", "doubtful", "good"):
         for name, fit in fits:
             if fit["verdict"] == verdict:
                 row = kept.bones.add()
-                row.name, row.verdict = name, verdict
+                row.name, row.verdict, row.object = name, verdict, meshes[name]
+                row.mean_residual = fit["mean_residual"] * unit
                 row.reasons = "\n".join(library.sentence(reason) for reason in fit["reasons"])
     kept.joints.clear()
     poses = [found.joint_pose(number) for number in range(len(template.joints))]
@@ -257,10 +272,20 @@ def at_limit(kept):
     return [row for row in kept.joints if row.usage >= AT_LIMIT]
 
 
+def parts(armature, which):
+    """The objects of a skeleton's TEMPLATE, TARGET or PERSON that are there."""
+    data = armature.moulage_skeleton
+    if which == "TARGET":
+        bones = list(data.target_bones.all_objects) if data.target_kind == "BONES" and data.target_bones else []
+        return bones + ([data.target] if data.target_kind == "SURFACE" and data.target else [])
+    own = armature if which == "TEMPLATE" else data.person
+    return [own, *blend.meshes(own)] if own is not None else []
+
+
 def sentence(scene, own):
     """The result in one line."""
     kept = own.moulage_skeleton.result
-    mean, largest = (units.text(scene, v) for v in (kept.mean_residual, kept.max_residual))
+    mean, largest = units.texts(scene, kept.mean_residual, kept.max_residual)
     text = f"{kept.ending} Bones: mean {mean}, largest {largest}."
     tight = len(at_limit(kept))
     return text + (f" {tight} joint{'s are at their limits' if tight > 1 else ' is at its limit'}." if tight else "")

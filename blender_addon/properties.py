@@ -8,7 +8,7 @@ from bpy.props import (
     PointerProperty, StringProperty,
 )
 
-from . import identity, landmarks, live_edit, scan
+from . import heat_map, identity, landmarks, live_edit, scan
 from .library import Wrong
 
 
@@ -127,6 +127,10 @@ class MOULAGE_PG_result(bpy.types.PropertyGroup):
     heat_range: FloatVectorProperty(size=2)
 
 
+def _repaint(self, _context):
+    heat_map.paint(self.id_data)
+
+
 class MOULAGE_PG_template(bpy.types.PropertyGroup):
     """A template: its data and settings."""
 
@@ -196,6 +200,14 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
             ("DISTANCE", "Distance", "How far the nearest markers are off the surface"),
             ("STRETCH", "Stretch", "How much the template was stretched: largest principal stretch"),
         ],
+    )
+    heat_limit: FloatProperty(
+        name="Up to", subtype="DISTANCE", min=0.0, precision=3, update=_repaint,
+        description="The distance at the yellow end of the scale. 0: all but the largest hundredth",
+    )
+    stretch_limit: FloatProperty(
+        name="Up to", min=0.0, precision=2, update=_repaint,
+        description="The stretch at the red end of the scale; the blue end is its inverse. 0: all but the largest hundredth",
     )
     show_markers: BoolProperty(
         name="Show markers", description="Draw the markers as dots, coloured by their distance", default=True
@@ -267,6 +279,7 @@ class MOULAGE_PG_scene(bpy.types.PropertyGroup):
     scan_opacity: FloatProperty(
         name="Opacity", subtype="FACTOR", default=1.0, min=0.0, max=1.0, update=_draw_slice("")
     )
+    looking_at: StringProperty(description="The slice that is looked at; empty: none")
     label_map: StringProperty(
         name="Label map", description="File of a segmentation of the scan: TotalSegmentator, 3D Slicer and others",
         subtype="FILE_PATH",

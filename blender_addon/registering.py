@@ -6,7 +6,7 @@ import time
 import bpy
 import numpy
 
-from . import identity, mesh_data, person, scan, skeleton, skeleton_files
+from . import identity, mesh_data, person, scan, skeleton, skeleton_files, views
 from .library import Wrong, calls, moulage
 from .preferences import get
 from .runs import Running
@@ -33,6 +33,9 @@ class Registering(Running):
     def __init__(self, context, armature):
         if armature is not None and missing(armature):
             raise Wrong(missing(armature) + ".")
+        if armature is not None:
+            # A hidden skeleton is not posed.
+            views.show(context, person.parts(armature, "TEMPLATE"), True)
         in_millimetres = armature is not None and armature.moulage_skeleton.target_kind in {"LABELS", "IMAGE"}
         scale = 1.0 / scan.unit(context.scene) if in_millimetres else 1.0
         self.template = skeleton.gather(context, armature, scale)

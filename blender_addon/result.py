@@ -12,8 +12,6 @@ KEY = "Reshaped"
 SEPARATED = "Separated"
 STRETCH = "moulage_stretch"
 DISTANCE = "moulage_distance"
-# The distance of each marker, on the template object.
-MARKER_DISTANCES = "moulage_marker_distances"
 
 _ENDINGS = {
     "settled": "Done: the shape no longer changes.",
@@ -92,9 +90,9 @@ def write(context, template, inputs, before, found, warnings, seconds):
     write_shape(template, inputs, before, found.points)
     mesh_data.set_attribute(template.data, STRETCH, "FLOAT", found.max_stretches)
     distances = found.marker_distances
-    near = heat_map.spread(found.points, inputs.markers, distances)
+    near = heat_map.spread(found.points, inputs.triangles, inputs.markers, distances)
     mesh_data.set_attribute(template.data, DISTANCE, "FLOAT", near)
-    template[MARKER_DISTANCES] = distances.tolist()
+    heat_map.keep_marker_distances(template, distances)
     _residuals(template, inputs, found)
     for item in data.carried:
         if item.object is not None and item.object != template:
@@ -116,7 +114,7 @@ def sentence(scene, kept):
     """The result in one line."""
     text = kept.ending
     if kept.mean_distance >= 0:
-        mean, largest = units.text(scene, kept.mean_distance), units.text(scene, kept.max_distance)
+        mean, largest = units.texts(scene, kept.mean_distance, kept.max_distance)
         text += f" Markers: mean {mean}, largest {largest}."
     if kept.inverted_tets:
         text += f" {kept.inverted_tets} tets are inverted: the shape is folded there."

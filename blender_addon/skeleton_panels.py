@@ -5,7 +5,7 @@ import math
 
 import bpy
 
-from . import person, registering, runs, skeleton, skeleton_properties, units
+from . import once, person, registering, runs, skeleton, skeleton_properties, units
 from .library import Wrong
 from .panels import Panel, draw_run, write
 
@@ -30,18 +30,24 @@ class MOULAGE_PT_skeleton(Panel, bpy.types.Panel):
         _draw_carried(layout, armature)
 
     def _count(self, context, layout, armature):
-        try:
-            carrying = skeleton.meshes(armature)
-        except Wrong as wrong:
-            write(layout, context, str(wrong), "ERROR")
-            return
-        bones = [armature.data.bones[name] for name in carrying]
-        joints = [b for b in bones if skeleton.ancestor(b, carrying) is not None]
-        text = f"{len(bones)} bones, {len(joints) + len(armature.moulage_skeleton.loops)} joints"
-        layout.label(text=text)
-        free = sum(1 for b in joints if _is_free(armature.pose.bones[b.name]))
-        if free:
-            write(layout, context, f"{free} joints without limits: give them a Limit Rotation constraint (local).", "INFO")
+        counted, remark = once.found("bones", armature.name, lambda: _counted(armature))
+        if counted:
+            layout.label(text=counted)
+        if remark:
+            write(layout, context, remark, "INFO" if counted else "ERROR")
+
+
+def _counted(armature):
+    """How many bones and joints there are, and a remark; nothing and what is wrong where that cannot be said."""
+    try:
+        carrying = skeleton.meshes(armature)
+    except Wrong as wrong:
+        return "", str(wrong)
+    bones = [armature.data.bones[name] for name in carrying]
+    joints = [b for b in bones if skeleton.ancestor(b, carrying) is not None]
+    free = sum(1 for b in joints if _is_free(armature.pose.bones[b.name]))
+    remark = f"{free} joints without limits: give them a Limit Rotation constraint (local)." if free else ""
+    return f"{len(bones)} bones, {len(joints) + len(armature.moulage_skeleton.loops)} joints", remark
 
 
 def _is_free(pose):
@@ -108,9 +114,12 @@ class MOULAGE_UL_joints(bpy.types.UIList):
         figure.label(text=f"{math.degrees(item.rotation):.0f}°  {100 * item.usage:.0f} %")
 
 
+_VERDICT_ICONS = {"good": "CHECKMARK", "doubtful": "QUESTION", "failed": "CANCEL"}
+
+
 class MOULAGE_UL_bones(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
-        layout.label(text=item.name, icon="CANCEL" if item.verdict == "failed" else "QUESTION")
+        layout.label(text=item.name, icon=_VERDICT_ICONS[item.verdict])
 
 
 class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
@@ -127,17 +136,14 @@ class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
         write(layout, context, kept.ending)
         column = layout.column(align=True)
         column.scale_y = 0.8
-        mean, largest = (units.text(context.scene, v) for v in (kept.mean_residual, kept.max_residual))
+        mean, largest = units.texts(context.scene, kept.mean_residual, kept.max_residual)
         column.label(text=f"Bones: mean {mean},")
         column.label(text=f"largest {largest}")
-        column.label(text=f"{kept.iterations} steps, {kept.seconds:.0f} s")
-        if len(kept.bones) > 0:
-            layout.label(text=f"Bones in doubt: {len(kept.bones)}")
-            layout.template_list("MOULAGE_UL_bones", "", kept, "bones", kept, "active_bone", rows=3)
-            chosen = kept.bones[min(kept.active_bone, len(kept.bones) - 1)]
-            write(layout, context, f"{chosen.name} is {chosen.verdict}.\n{chosen.reasons}")
+        column.label(text=f"{kept.iterations} step{'s' if kept.iterations != 1 else ''}, {kept.seconds:.0f} s")
         if kept.warnings:
             write(layout, context, kept.warnings, "ERROR")
+        self._share(context, layout, armature, own)
+        self._bones(context, layout, kept)
         tight = len(person.at_limit(kept))
         layout.label(text=f"Joints: {tight} at {'their' if tight != 1 else 'its'} limit" + ("s" if tight != 1 else ""))
         layout.template_list("MOULAGE_UL_joints", "", kept, "joints", kept, "active_joint", rows=4)
@@ -147,6 +153,33 @@ class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
             for kind, action in (("POSE", own.moulage_skeleton.pose), ("MOTION", own.moulage_skeleton.motion)):
                 name = "Pose of the Scan" if kind == "POSE" else "Motion"
                 row.operator("moulage.show_action", text=name, depress=shown == action).kind = kind
+
+
+    def _share(self, context, layout, armature, own):
+        """The slider, and what is shown beside it."""
+        data = own.moulage_skeleton
+        row = layout.row()
+        row.enabled = data.motion is None or own.animation_data.action != data.motion
+        row.prop(data.result, "share", slider=True)
+        row = layout.row(align=True)
+        for which, shown in once.found("parts", armature.name, lambda: _parts(armature)):
+            icon = "HIDE_OFF" if shown else "HIDE_ON"
+            row.operator("moulage.show_part", text=which.capitalize(), icon=icon, depress=shown).part = which
+
+    def _bones(self, context, layout, kept):
+        doubtful = sum(row.verdict != "good" for row in kept.bones)
+        layout.label(text=f"Bones in doubt: {doubtful} of {len(kept.bones)}")
+        layout.template_list("MOULAGE_UL_bones", "", kept, "bones", kept, "active_bone", rows=3)
+        if kept.active_bone < len(kept.bones):
+            chosen = kept.bones[kept.active_bone]
+            off = units.text(context.scene, chosen.mean_residual)
+            write(layout, context, f"{chosen.name} is {chosen.verdict}, {off} off on average.\n{chosen.reasons}")
+
+
+def _parts(armature):
+    """What there is to look at, and whether it is shown."""
+    found = ((which, person.parts(armature, which)) for which in ("TEMPLATE", "TARGET", "PERSON"))
+    return [(which, there[0].visible_get()) for which, there in found if there]
 
 
 class MOULAGE_PT_joint(bpy.types.Panel):

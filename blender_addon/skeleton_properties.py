@@ -8,9 +8,20 @@ from bpy.props import (
     StringProperty,
 )
 
+from . import blend, views
+
 
 def _is_mesh(_self, ob):
     return ob.type == "MESH"
+
+
+def _select_bone(self, context):
+    if self.active_bone < len(self.bones) and self.bones[self.active_bone].object is not None:
+        views.select_only(context, self.bones[self.active_bone].object)
+
+
+def _show_share(self, _context):
+    blend.show(self.id_data, self.share)
 
 
 class MOULAGE_PG_joint(bpy.types.PropertyGroup):
@@ -55,11 +66,13 @@ class MOULAGE_PG_joint_result(bpy.types.PropertyGroup):
 
 
 class MOULAGE_PG_bone_verdict(bpy.types.PropertyGroup):
-    """A bone of the person that may be wrong."""
+    """How far a bone of the person can be trusted; its length in the scene's units."""
 
     name: StringProperty()
-    verdict: StringProperty(description="doubtful or failed")
-    reasons: StringProperty(description="Why, and what can be done about it, one sentence per line")
+    object: PointerProperty(type=bpy.types.Object)
+    verdict: StringProperty(description="good, doubtful or failed")
+    reasons: StringProperty(description="Why it is not good, and what can be done about it, one sentence per line")
+    mean_residual: FloatProperty(default=-1.0)
 
 
 class MOULAGE_PG_registration(bpy.types.PropertyGroup):
@@ -68,14 +81,18 @@ class MOULAGE_PG_registration(bpy.types.PropertyGroup):
     ending: StringProperty()
     verdict: StringProperty(description="How far the whole can be trusted: good, doubtful, failed")
     warnings: StringProperty()
-    bones: CollectionProperty(type=MOULAGE_PG_bone_verdict, description="Bones that are not good, failed ones first")
-    active_bone: IntProperty()
+    bones: CollectionProperty(type=MOULAGE_PG_bone_verdict, description="Failed ones first")
+    active_bone: IntProperty(name="Bone", description="Choosing a bone selects it", update=_select_bone)
     mean_residual: FloatProperty(default=-1.0)
     max_residual: FloatProperty(default=-1.0)
     iterations: IntProperty()
     seconds: FloatProperty()
     joints: CollectionProperty(type=MOULAGE_PG_joint_result)
-    active_joint: IntProperty()
+    active_joint: IntProperty(name="Joint", description="Joints at their limits come first")
+    share: FloatProperty(
+        name="Template to Person", subtype="FACTOR", min=0.0, max=1.0, default=1.0, update=_show_share,
+        description="0: the bones as the template has them, 1: as the person has them",
+    )
 
 
 class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):

@@ -18,6 +18,24 @@ def reach_far(context):
         space.clip_start, space.clip_end = max(space.clip_start, 0.1), max(space.clip_end, 100_000.0)
 
 
+def show(context, objects, shown):
+    """Shows objects or hides them, in the 3D views."""
+    for ob in objects:
+        if ob.name in context.view_layer.objects:
+            ob.hide_set(not shown)
+
+
+def select_only(context, ob):
+    """Selects an object alone and makes it the active one, in Object Mode; a hidden one is shown."""
+    if context.mode != "OBJECT":
+        return
+    for other in context.selected_objects:
+        other.select_set(False)
+    show(context, [ob], True)
+    ob.select_set(True)
+    context.view_layer.objects.active = ob
+
+
 def frame_selected(context):
     """Brings what is selected into view."""
     for window, area, _space in spaces(context):

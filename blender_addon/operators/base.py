@@ -103,7 +103,7 @@ def publish(context, current):
     state.details = ""
     if progress.mean_error == progress.mean_error:
         errors = (progress.mean_error, progress.max_error)
-        words = [units.text(context.scene, e * current.unit) for e in errors if e == e]
+        words = units.texts(context.scene, *(e * current.unit for e in errors if e == e))
         names = ("mean", "largest")
         state.details = f"Step {progress.iteration}: " + ", ".join(f"{n} {w}" for n, w in zip(names, words))
 

@@ -4,7 +4,6 @@
 import bpy
 import mathutils
 import numpy
-from mathutils.bvhtree import BVHTree
 
 from .. import landmarks, markers, preflight, problem, properties, units
 from ..library import Wrong, calls
@@ -60,8 +59,8 @@ class MOULAGE_OT_mirror_landmarks(NeedsTemplate, bpy.types.Operator):
         template = properties.template_of(context)
         context.view_layer.update()
         inputs = problem.gather_shape(context, template)
-        tree = BVHTree.FromPolygons(inputs.points.tolist(), inputs.triangles.tolist())
-        made = landmarks.mirror(context, template, lambda place: tree.find_nearest(place)[0])
+        with calls() as library:
+            made = landmarks.mirror(context, template, library.TriMesh(inputs.points, inputs.triangles))
         if not made:
             raise Wrong("No landmark waits for its partner: name them with a side, such as hip.L.")
         self.report({"INFO"}, f"Made {', '.join(made)}.")

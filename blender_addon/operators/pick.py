@@ -6,7 +6,7 @@ import mathutils
 import numpy
 from bpy_extras import view3d_utils
 
-from .. import landmarks, markers, mesh_data, properties, scan
+from .. import landmarks, markers, mesh_data, properties, scan, slice_view
 from .base import NeedsTemplate
 
 # A click this near to a marker, in pixels, means the marker.
@@ -128,6 +128,11 @@ class MOULAGE_OT_pick_landmarks(_Clicks, bpy.types.Operator):
 
     bl_idname = "moulage.pick_landmarks"
     bl_label = "Click Pairs"
+
+    def invoke(self, context, event):
+        # The template is clicked as well.
+        slice_view.leave(context)
+        return super().invoke(context, event)
 
     def what(self, template):
         waiting = landmarks.incomplete(template)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import markers, properties, scan
+from .. import markers, properties, scan, slice_view
 from ..library import Wrong, calls
 from .base import DropsIntoView, Imports, NeedsTemplate, tells
 
@@ -85,7 +85,8 @@ class MOULAGE_OT_scan_window(bpy.types.Operator):
 
 
 class MOULAGE_OT_look_at_slice(bpy.types.Operator):
-    """Look straight at the slice; the axial one from the feet, as radiologists do"""
+    """Look straight at the slice and hide all but it, its outline and the markers near it; the axial one from the
+    feet, as radiologists do. Once more: back to all"""
 
     bl_idname = "moulage.look_at_slice"
     bl_label = "Look at Slice"
@@ -95,14 +96,18 @@ class MOULAGE_OT_look_at_slice(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return context.region_data is not None and bool(scan.slices(context.scene))
+        scene = context.scene
+        return context.region_data is not None and bool(scan.slices(scene) or scene.moulage.looking_at)
 
     @tells
     def execute(self, context):
+        if context.scene.moulage.looking_at == self.view:
+            slice_view.leave(context)
+            return {"FINISHED"}
         empty = scan.slices(context.scene).get(self.view)
         if empty is None:
             raise Wrong("That slice was deleted: load the scan again.")
-        empty.hide_viewport = False
+        slice_view.enter(context, self.view)
         view = context.region_data
         view.view_perspective = "ORTHO"
         view.view_rotation = empty.matrix_world.to_quaternion()

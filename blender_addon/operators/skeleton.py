@@ -4,7 +4,7 @@
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from .. import registering, rig, skeleton_files, skeleton_properties
+from .. import person, registering, rig, skeleton_files, skeleton_properties, views
 from ..library import Wrong
 from .base import DropsIntoView, Imports, Runs, poll_object_mode, tells
 from .files import SCALE
@@ -151,9 +151,29 @@ class MOULAGE_OT_show_action(_NeedsSkeleton, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class MOULAGE_OT_show_part(_NeedsSkeleton, bpy.types.Operator):
+    """Show or hide it"""
+
+    bl_idname = "moulage.show_part"
+    bl_label = "Show or Hide"
+
+    part: bpy.props.EnumProperty(
+        name="Part", items=[
+            ("TEMPLATE", "Template", "The skeleton that was registered"),
+            ("TARGET", "Target", "The surface or the bones that it was registered to"),
+            ("PERSON", "Person", "The result"),
+        ],
+    )
+
+    def execute(self, context):
+        objects = person.parts(skeleton_properties.skeleton_of(context), self.part)
+        views.show(context, objects, not any(ob.visible_get() for ob in objects))
+        return {"FINISHED"}
+
+
 classes = (
     MOULAGE_OT_import_skeleton, MOULAGE_OT_export_skeleton, MOULAGE_OT_add_soft_tissue,
-    MOULAGE_OT_remove_soft_tissue, MOULAGE_OT_register, MOULAGE_OT_show_action,
+    MOULAGE_OT_remove_soft_tissue, MOULAGE_OT_register, MOULAGE_OT_show_action, MOULAGE_OT_show_part,
 )
 
 if bpy.app.version >= (4, 1, 0):

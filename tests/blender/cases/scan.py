@@ -67,6 +67,29 @@ class Scan(unittest.TestCase):
         self.assertGreater(self.brightness("OBLIQUE", (0, 0, 0)), 0.8)
         self.assertLess(self.brightness("OBLIQUE", out), 0.2)
 
+    def test_looking_at_a_slice_shows_it_and_what_is_near_it(self):
+        settings, slice_view = self.settings, part("slice_view")
+        settings.axial = 0.5
+        for name, z in (("near", 0.5), ("far", 0.0)):
+            bpy.ops.moulage.add_landmark(name=name, template_point=(0, 0, 1), target=(0.2, 0.3, z))
+        near, far = (landmark.target for landmark in self.template.moulage.landmarks)
+        self.template.select_set(True)
+        there = [ob for ob in bpy.context.scene.objects if ob.visible_get()]
+        slice_view.enter(bpy.context, "AXIAL")
+        axial = part("scan").slices(bpy.context.scene)["AXIAL"]
+        self.assertEqual({ob for ob in bpy.context.scene.objects if ob.visible_get()}, {axial, near})
+        self.assertIsNotNone(part("scan").hit(bpy.context, Vector((0.2, 0.3, 9)), Vector((0, 0, -1))))
+        slab = slice_view.slab(bpy.context.scene)
+        # A voxel is 0.1 high.
+        self.assertEqual(list(slab.holds(numpy.array([(1, 1, 0.45), (0, 0, 0.58), (0, 0, 0.65)]))), [True, True, False])
+        slice_view.enter(bpy.context, "SAGITTAL")
+        self.assertFalse(axial.visible_get())
+        slice_view.leave(bpy.context)
+        self.assertEqual([ob for ob in bpy.context.scene.objects if ob.visible_get()], there)
+        self.assertTrue(self.template.select_get())
+        self.assertIsNone(slice_view.slab(bpy.context.scene))
+        self.assertFalse(far.hide_get())
+
     def test_a_folder_of_dicom_slices_and_one_of_its_files_are_the_same_scan(self):
         folder = Path(self.folder.name) / "series"
         folder.mkdir()

@@ -283,6 +283,38 @@ class Register(unittest.TestCase):
         shape = world_points(bpy.data.objects["shank mesh person person"])
         self.assertLess(numpy.linalg.norm(shape - points[1], axis=1).mean(), 0.4)
 
+    def test_the_template_is_hidden_and_a_slider_goes_from_it_to_the_person(self):
+        armature, own, points = self.registered()
+        target = armature.moulage_skeleton.target
+        thigh, shank = (bpy.data.objects[f"{n} mesh"] for n in ("thigh", "shank"))
+        self.assertEqual([ob.visible_get() for ob in (armature, thigh, shank, target, own)], [False] * 3 + [True] * 2)
+        self.assertEqual((bpy.context.object, bpy.context.selected_objects), (own, [own]))
+        bones = {ob.parent_bone: ob for ob in own.children}
+        shown = part("mesh_data").shown_points
+        as_person = shown(bones["shank"])
+        self.assertLess(numpy.linalg.norm(as_person - points[1], axis=1).mean(), 0.4)
+        own.moulage_skeleton.result.share = 0.0
+        for name, ob in (("thigh", thigh), ("shank", shank)):
+            numpy.testing.assert_allclose(shown(bones[name]), world_points(ob), atol=1e-4)
+        own.moulage_skeleton.result.share = 0.5
+        numpy.testing.assert_allclose(shown(bones["shank"]), (as_person + world_points(shank)) / 2, atol=1e-4)
+        for which, ob in (("TEMPLATE", shank), ("TARGET", target), ("PERSON", bones["shank"])):
+            before = ob.visible_get()
+            bpy.ops.moulage.show_part(part=which)
+            self.assertNotEqual(ob.visible_get(), before)
+            bpy.ops.moulage.show_part(part=which)
+            self.assertEqual(ob.visible_get(), before)
+
+    def test_each_bone_has_its_verdict_and_choosing_one_selects_it(self):
+        _armature, own, _points = self.registered()
+        kept = own.moulage_skeleton.result
+        self.assertEqual({row.name for row in kept.bones}, {"thigh", "shank"})
+        for number, row in enumerate(kept.bones):
+            self.assertIn(row.verdict, {"good", "doubtful", "failed"})
+            kept.active_bone = number
+            self.assertEqual(bpy.context.selected_objects, [row.object])
+            self.assertEqual(row.object.parent_bone, row.name)
+
     def test_undo_takes_the_person_away(self):
         armature = leg()
         armature.moulage_skeleton.target = bent_target(armature, 0.6)[0]

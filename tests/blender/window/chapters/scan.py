@@ -134,7 +134,8 @@ def click_markers():
     """On the outline of the result; undo takes one click back."""
     template().moulage.markers = None
     yield from click_button("moulage.click_markers")
-    line = part("overlay")._contour(bpy.context.scene, template())
+    frame = slices()["AXIAL"].matrix_world
+    line = part("overlay")._contour(bpy.context, [(tuple(frame.translation), tuple(frame.col[2].xyz))])
     places = [Vector(line[len(line) * i // 5].tolist()) for i in range(5)]
     for number, place in enumerate(places):
         yield from click(*on_screen(place))
