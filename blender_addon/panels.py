@@ -105,10 +105,10 @@ class MOULAGE_PT_scan(Panel, bpy.types.Panel):
             row.prop(empty, "hide_viewport", text="")
         if settings.looking_at:
             layout.operator("moulage.look_at_slice", text="Back to All", icon="LOOP_BACK").view = settings.looking_at
-        row = layout.row(align=True)
-        row.prop(settings, "window_width")
-        row.prop(settings, "window_level")
-        layout.operator_menu_enum("moulage.scan_window", "preset", text="Presets")
+        column = layout.column(align=True)
+        column.prop(settings, "window_width")
+        column.prop(settings, "window_level")
+        column.operator_menu_enum("moulage.scan_window", "preset", text="Presets")
         layout.prop(settings, "scan_opacity")
         layout.prop(settings, "show_contour")
         layout.operator("moulage.click_markers", icon="EYEDROPPER")
@@ -127,9 +127,9 @@ class MOULAGE_PT_labels(NeedsTemplate, bpy.types.Panel):
         column.enabled = bool(settings.label_map)
         column.prop(settings, "label", text="")
         column.row(align=True).prop(settings, "label_planes")
-        row = column.row(align=True)
-        row.prop(settings, "label_every")
-        row.prop(settings, "label_spacing")
+        column = column.column(align=True)
+        column.prop(settings, "label_every")
+        column.prop(settings, "label_spacing")
         if settings.label_map:
             try:
                 scan.label_map(context.scene)
@@ -141,9 +141,9 @@ class MOULAGE_PT_labels(NeedsTemplate, bpy.types.Panel):
 class MOULAGE_UL_landmarks(bpy.types.UIList):
     def draw_item(self, context, layout, _data, item, _icon, _active, _property):
         half = item.template is None or item.target is None
-        split = layout.split(factor=0.75, align=True) if half or item.residual >= 0 else layout
+        split = layout.split(factor=0.8, align=True) if half or item.residual >= 0 else layout
         row = split.row(align=True)
-        row.prop(item, "use", text="")
+        row.active = item.use
         row.prop(item, "name", text="", emboss=False, icon=properties.HOLD_ICONS[item.hold])
         if half:
             split.label(text="half")
@@ -162,8 +162,8 @@ class MOULAGE_PT_markers(NeedsTemplate, bpy.types.Panel):
         layout.operator("moulage.import_person", icon="IMPORT")
         write(layout, context, "Points of the person's surface, in no order.")
         column = layout.column(align=True)
-        column.prop(data, "markers", text="", icon="OUTLINER_OB_POINTCLOUD")
-        column.prop(data, "marker_empties", text="")
+        column.prop(data, "markers")
+        column.prop(data, "marker_empties")
         row = layout.row(align=True)
         row.operator("moulage.import_markers", text="Import", icon="IMPORT")
         row.operator("moulage.export_markers", text="Export", icon="EXPORT")
@@ -187,7 +187,9 @@ class MOULAGE_PT_landmarks(NeedsTemplate, bpy.types.Panel):
                 item = data.landmarks[data.active_landmark]
                 if item.residual >= 0:
                     write(layout, context, f"{item.name}: {units.text(context.scene, item.residual)} off")
-                layout.prop(item, "hold", text="")
+                row = layout.row(align=True)
+                row.prop(item, "use", text="")
+                row.prop(item, "hold", text="")
                 if item.hold == "WITHIN":
                     layout.prop(item, "within")
                 elif item.hold == "HINT":
@@ -206,7 +208,7 @@ class MOULAGE_PT_landmarks(NeedsTemplate, bpy.types.Panel):
 
 
 class MOULAGE_PT_attachments(NeedsTemplate, bpy.types.Panel):
-    bl_label = "Attachments and Fixed Parts"
+    bl_label = "Attachments"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
@@ -221,7 +223,6 @@ class MOULAGE_PT_attachments(NeedsTemplate, bpy.types.Panel):
         if data.active_attachment < len(data.attachments):
             item = data.attachments[data.active_attachment]
             column = layout.column()
-            column.use_property_split = True
             column.prop(item, "bone")
             column.prop(item, "target")
             column.prop(item, "by")
@@ -243,9 +244,8 @@ class MOULAGE_PT_reshape(NeedsTemplate, bpy.types.Panel):
             return
         template = properties.template_of(context)
         data = template.moulage
-        column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
+        column = layout.column(align=True)
+        column.operator_menu_enum("moulage.tolerance_preset", "source", text="Presets")
         column.prop(data, "tolerance")
         column.prop(data, "landmark_tolerance")
         if data.attachments:
@@ -282,16 +282,12 @@ class MOULAGE_PT_tets(NeedsTemplate, bpy.types.Panel):
         layout.enabled = not runs.is_running()
         data = properties.template_of(context).moulage
         column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
         column.prop(data, "method")
         column.prop(data, "tet_count")
         column.operator("moulage.tetrahedralize", icon="MESH_ICOSPHERE")
         if data.tets_text:
             write(layout, context, data.tets_text)
         column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
         for name in ("smoothness", "max_iterations", "reverse_term", "live", "new_key"):
             column.prop(data, name)
 

@@ -27,6 +27,13 @@ METHODS = [
 ]
 
 
+HEAT_MAPS = [
+    ("NONE", "None", "The object's own colours"),
+    ("DISTANCE", "Distance", "How far the nearest markers are off the surface"),
+    ("STRETCH", "Stretch", "How much the template was stretched: largest principal stretch"),
+]
+
+
 HOLDS = [
     ("EXACT", "Hold Exactly", "The template goes to this place, whatever the markers say", "PINNED", 0),
     ("WITHIN", "Within a Distance", "The template ends at most so far from this place, whatever the markers say", "CON_DISTLIMIT", 1),
@@ -44,9 +51,11 @@ def _show_hold(self, _context):
 class MOULAGE_PG_landmark(bpy.types.PropertyGroup):
     """One place, on the template and on the person."""
 
-    name: StringProperty(name="Name")
-    template: PointerProperty(name="On the template", type=bpy.types.Object)
-    target: PointerProperty(name="On the person", type=bpy.types.Object)
+    name: StringProperty(name="Name", description="Names with a side, such as hip.L, can be mirrored")
+    template: PointerProperty(
+        name="On the template", description="The empty on the template at rest", type=bpy.types.Object
+    )
+    target: PointerProperty(name="On the person", description="The empty on the person", type=bpy.types.Object)
     use: BoolProperty(name="Use", description="Whether the landmark takes part", default=True)
     hold: EnumProperty(
         name="Strength", description="How the template is held at this place", items=HOLDS, default="HINT",
@@ -82,7 +91,7 @@ class MOULAGE_PG_doubt(bpy.types.PropertyGroup):
 class MOULAGE_PG_attachment(bpy.types.PropertyGroup):
     """A bone on which the template grows."""
 
-    name: StringProperty(name="Name")
+    name: StringProperty(name="Name", description="What the attachment is called in messages")
     bone: PointerProperty(
         name="Bone", description="The bone of the template", type=bpy.types.Object, poll=_is_mesh
     )
@@ -92,7 +101,7 @@ class MOULAGE_PG_attachment(bpy.types.PropertyGroup):
         type=bpy.types.Object, poll=_is_mesh,
     )
     by: EnumProperty(
-        name="Attached", items=[
+        name="Attached", description="What of the template is held by the bone", items=[
             ("DISTANCE", "Near the bone", "The template is attached to every vertex of the bone that is near it"),
             ("GROUP", "Vertex group", "The template's vertices in a group are attached to the bone"),
         ],
@@ -107,24 +116,26 @@ class MOULAGE_PG_attachment(bpy.types.PropertyGroup):
 class MOULAGE_PG_carried(bpy.types.PropertyGroup):
     """A mesh that moves with the template."""
 
-    object: PointerProperty(name="Mesh", type=bpy.types.Object, poll=_is_mesh)
+    object: PointerProperty(
+        name="Mesh", description="A mesh inside the template or near it", type=bpy.types.Object, poll=_is_mesh
+    )
 
 
 class MOULAGE_PG_result(bpy.types.PropertyGroup):
     """What the last run said; lengths in the scene's units."""
 
-    key: StringProperty(name="Shape key")
-    ending: StringProperty(name="Ending")
+    key: StringProperty(name="Shape key", description="The result's shape key; empty: there is no result")
+    ending: StringProperty(name="Ending", description="How the run ended, one sentence")
     warnings: StringProperty(description="What may be a mistake, one sentence per line")
-    mean_distance: FloatProperty(default=-1.0)
-    max_distance: FloatProperty(default=-1.0)
+    mean_distance: FloatProperty(description="Of the markers; below 0: not known", default=-1.0)
+    max_distance: FloatProperty(description="Of the markers; below 0: not known", default=-1.0)
     mean_before: FloatProperty(
         description="The mean distance of the last whole run, if live editing came after it; else below 0", default=-1.0
     )
-    iterations: IntProperty()
-    inverted_tets: IntProperty()
-    seconds: FloatProperty()
-    heat_range: FloatVectorProperty(size=2)
+    iterations: IntProperty(description="Steps of the run")
+    inverted_tets: IntProperty(description="Tets that are turned inside out: the shape is folded there")
+    seconds: FloatProperty(description="How long the run took")
+    heat_range: FloatVectorProperty(description="The values at the two ends of the heat map's scale", size=2)
 
 
 def _repaint(self, _context):
@@ -139,8 +150,8 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     doubts: CollectionProperty(type=MOULAGE_PG_doubt, description="What was suspicious when it was last looked at")
     checked: BoolProperty(description="Whether it was looked at")
 
-    landmarks: CollectionProperty(type=MOULAGE_PG_landmark)
-    active_landmark: IntProperty()
+    landmarks: CollectionProperty(type=MOULAGE_PG_landmark, description="Pairs of places")
+    active_landmark: IntProperty(name="Landmark", description="The landmark that is edited below the list")
     markers: PointerProperty(
         name="Points",
         description="A mesh or point cloud whose points lie on the person's surface",
@@ -150,13 +161,13 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
         name="Empties", description="A collection whose empties lie on the person's surface",
         type=bpy.types.Collection,
     )
-    attachments: CollectionProperty(type=MOULAGE_PG_attachment)
-    active_attachment: IntProperty()
+    attachments: CollectionProperty(type=MOULAGE_PG_attachment, description="Where the template grows on bones")
+    active_attachment: IntProperty(name="Attachment", description="The attachment that is edited below the list")
     fixed_group: StringProperty(name="Fixed", description="Vertex group of the template that stays where it is")
-    carried: CollectionProperty(type=MOULAGE_PG_carried)
-    active_carried: IntProperty()
+    carried: CollectionProperty(type=MOULAGE_PG_carried, description="Meshes that move along")
+    active_carried: IntProperty(name="Carried mesh", description="The mesh that the button removes from the list")
 
-    method: EnumProperty(name="Tets", items=METHODS)
+    method: EnumProperty(name="Tets", description="What fills the template with tets", items=METHODS)
     tet_count: IntProperty(
         name="Number", description="About how many tets", default=15000, min=24, max=10_000_000, soft_max=100_000
     )
@@ -193,14 +204,8 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     )
     live: BoolProperty(name="Live view", description="Show the shape while it is being found", default=True)
 
-    result: PointerProperty(type=MOULAGE_PG_result)
-    heat: EnumProperty(
-        name="Heat map", items=[
-            ("NONE", "None", "The object's own colours"),
-            ("DISTANCE", "Distance", "How far the nearest markers are off the surface"),
-            ("STRETCH", "Stretch", "How much the template was stretched: largest principal stretch"),
-        ],
-    )
+    result: PointerProperty(type=MOULAGE_PG_result, description="What the last run said")
+    heat: EnumProperty(name="Heat map", description="What the template's colours tell", items=HEAT_MAPS)
     heat_limit: FloatProperty(
         name="Up to", subtype="DISTANCE", min=0.0, precision=3, update=_repaint,
         description="The distance at the yellow end of the scale. 0: all but the largest hundredth",
@@ -239,7 +244,7 @@ def _labels_of_map(_self, context):
         labels = scan.label_map(context.scene)[1]
     except Wrong:
         labels = []
-    _label_items[:] = [(str(n), f"Label {n}", "") for n in labels] or [("0", "No labels", "Choose a label map")]
+    _label_items[:] = [(str(n), scan.label_name(n), f"The organ or bone of label {n}") for n in labels] or [("0", "No labels", "Choose a label map")]
     return _label_items
 
 
@@ -277,7 +282,7 @@ class MOULAGE_PG_scene(bpy.types.PropertyGroup):
     )
     window_level: FloatProperty(name="Level", description="The value in the middle", default=40, update=_draw_slice(""))
     scan_opacity: FloatProperty(
-        name="Opacity", subtype="FACTOR", default=1.0, min=0.0, max=1.0, update=_draw_slice("")
+        name="Opacity", description="Of the slices", subtype="FACTOR", default=1.0, min=0.0, max=1.0, update=_draw_slice("")
     )
     looking_at: StringProperty(description="The slice that is looked at; empty: none")
     label_map: StringProperty(
@@ -292,7 +297,7 @@ class MOULAGE_PG_scene(bpy.types.PropertyGroup):
         name="Markers (mm)", description="Millimetres between markers along an outline", default=8.0, min=0.1
     )
     label_planes: EnumProperty(
-        name="Planes", options={"ENUM_FLAG"}, default={"AXIAL"},
+        name="Planes", description="Which slices are marked", options={"ENUM_FLAG"}, default={"AXIAL"},
         items=[(view, view.capitalize(), f"Mark {view.lower()} slices") for view in scan.AXES],
     )
     show_contour: BoolProperty(
@@ -304,9 +309,9 @@ class MOULAGE_PG_scene(bpy.types.PropertyGroup):
 class MOULAGE_PG_runtime(bpy.types.PropertyGroup):
     """Where the present run stands; for the panels, not saved."""
 
-    fraction: FloatProperty(subtype="FACTOR", min=0.0, max=1.0)
-    stage: StringProperty()
-    details: StringProperty()
+    fraction: FloatProperty(name="Progress", description="Share of the run that is done", subtype="FACTOR", min=0.0, max=1.0)
+    stage: StringProperty(description="What the run is doing")
+    details: StringProperty(description="Its latest step")
     live_edit: BoolProperty(
         name="Live Editing", update=live_edit.changed,
         description="The shape follows landmarks and markers while they are moved. It begins at the last result",

@@ -65,8 +65,14 @@ def label_map(scene):
     if _labels.get("stamp") != stamp:
         with calls() as package:
             read = package.Volume(path)
-            _labels.update(stamp=stamp, volume=read, labels=read.labels)
+            _labels.update(stamp=stamp, volume=read, labels=read.labels, names=read.label_names)
     return _labels["volume"], _labels["labels"]
+
+
+def label_name(label):
+    """What the label map that was read last calls a label, such as "Liver (5)"."""
+    name = _labels.get("names", {}).get(label)
+    return f"{name.replace('_', ' ').capitalize()} ({label})" if name else f"Label {label}"
 
 
 def forget():

@@ -20,8 +20,6 @@ class MOULAGE_PT_separate(Panel, bpy.types.Panel):
         settings = context.scene.moulage_separate
         soft, hard = separate_properties.chosen(context)
         column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
         column.prop(settings, "bones")
         column.prop(settings, "gap")
         if len(soft) + len(hard) < 2 or not soft:
@@ -55,8 +53,6 @@ class MOULAGE_PT_separate_settings(Panel, bpy.types.Panel):
         layout.enabled = not runs.is_running()
         write(layout, context, "Meshes that were not reshaped here are filled with tets.")
         column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
         for name in ("method", "tet_count", "rings", "live"):
             column.prop(context.scene.moulage_separate, name)
 

@@ -21,7 +21,7 @@ class MOULAGE_PG_separate(bpy.types.PropertyGroup):
     rings: IntProperty(
         name="Rings", description="Vertices up to so many edges away from an overlap may move", default=5, min=1, soft_max=20
     )
-    method: EnumProperty(name="Tets", items=METHODS)
+    method: EnumProperty(name="Tets", description="What fills the meshes with tets", items=METHODS)
     tet_count: IntProperty(
         name="Number", description="About how many tets a mesh is filled with that was not reshaped here", default=15000,
         min=24, max=10_000_000, soft_max=100_000,

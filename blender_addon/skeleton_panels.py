@@ -107,11 +107,9 @@ class MOULAGE_PT_register(_NeedsSkeleton, bpy.types.Panel):
 class MOULAGE_UL_joints(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
         at_limit = item.usage >= person.AT_LIMIT
-        row = layout.row(align=True)
-        row.label(text=item.name, icon="ERROR" if at_limit else "NONE")
-        figure = row.row()
-        figure.alignment = "RIGHT"
-        figure.label(text=f"{math.degrees(item.rotation):.0f}°  {100 * item.usage:.0f} %")
+        split = layout.split(factor=0.8, align=True)
+        split.label(text=item.name, icon="ERROR" if at_limit else "NONE")
+        split.label(text=f"{100 * item.usage:.0f} %")
 
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "doubtful": "QUESTION", "failed": "CANCEL"}
@@ -147,6 +145,10 @@ class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
         tight = len(person.at_limit(kept))
         layout.label(text=f"Joints: {tight} at {'their' if tight != 1 else 'its'} limit" + ("s" if tight != 1 else ""))
         layout.template_list("MOULAGE_UL_joints", "", kept, "joints", kept, "active_joint", rows=4)
+        if kept.active_joint < len(kept.joints):
+            joint = kept.joints[kept.active_joint]
+            beyond = f", {math.degrees(joint.excess):.0f}° beyond its limit" if joint.excess > 0.01 else ""
+            write(layout, context, f"{joint.name}: turned by {math.degrees(joint.rotation):.0f}°{beyond}")
         if own.moulage_skeleton.motion is not None:
             row = layout.row(align=True)
             shown = own.animation_data.action if own.animation_data else None
@@ -163,8 +165,7 @@ class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
         row.prop(data.result, "share", slider=True)
         row = layout.row(align=True)
         for which, shown in once.found("parts", armature.name, lambda: _parts(armature)):
-            icon = "HIDE_OFF" if shown else "HIDE_ON"
-            row.operator("moulage.show_part", text=which.capitalize(), icon=icon, depress=shown).part = which
+            row.operator("moulage.show_part", text=which.capitalize(), depress=shown).part = which
 
     def _bones(self, context, layout, kept):
         doubtful = sum(row.verdict != "good" for row in kept.bones)

@@ -40,26 +40,26 @@ class MOULAGE_PG_joint(bpy.types.PropertyGroup):
 class MOULAGE_PG_loop(bpy.types.PropertyGroup):
     """A joint that only closes a loop: an armature has no place for it."""
 
-    name: StringProperty()
-    parent: StringProperty()
-    child: StringProperty()
-    parent_frame: FloatVectorProperty(size=16)
-    child_frame: FloatVectorProperty(size=16)
+    name: StringProperty(description="The joint's")
+    parent: StringProperty(description="Name of one bone")
+    child: StringProperty(description="Name of the other bone")
+    parent_frame: FloatVectorProperty(description="The joint seen from one bone, row by row", size=16)
+    child_frame: FloatVectorProperty(description="The joint seen from the other bone, row by row", size=16)
     negative: FloatVectorProperty(description="Radians; below 0: free", size=3)
     positive: FloatVectorProperty(description="Radians; below 0: free", size=3)
-    shift: FloatProperty()
+    shift: FloatProperty(description="How far the two bones may move apart; 0: the usual distance")
 
 
 class MOULAGE_PG_soft(bpy.types.PropertyGroup):
     """A soft tissue that moves with the bones."""
 
-    object: PointerProperty(name="Mesh", type=bpy.types.Object, poll=_is_mesh)
+    object: PointerProperty(name="Mesh", description="A muscle, or the skin", type=bpy.types.Object, poll=_is_mesh)
 
 
 class MOULAGE_PG_joint_result(bpy.types.PropertyGroup):
     """How a joint of the person stands to its limits."""
 
-    name: StringProperty()
+    name: StringProperty(description="The joint's")
     usage: FloatProperty(description="Share of the allowed rotation that is used; 1: at the limit")
     rotation: FloatProperty(description="Rotation from the neutral position", subtype="ANGLE")
     excess: FloatProperty(description="Rotation beyond the limit", subtype="ANGLE")
@@ -68,26 +68,26 @@ class MOULAGE_PG_joint_result(bpy.types.PropertyGroup):
 class MOULAGE_PG_bone_verdict(bpy.types.PropertyGroup):
     """How far a bone of the person can be trusted; its length in the scene's units."""
 
-    name: StringProperty()
-    object: PointerProperty(type=bpy.types.Object)
+    name: StringProperty(description="The bone's")
+    object: PointerProperty(description="The bone's mesh", type=bpy.types.Object)
     verdict: StringProperty(description="good, doubtful or failed")
     reasons: StringProperty(description="Why it is not good, and what can be done about it, one sentence per line")
-    mean_residual: FloatProperty(default=-1.0)
+    mean_residual: FloatProperty(description="Its mean distance from the target", default=-1.0)
 
 
 class MOULAGE_PG_registration(bpy.types.PropertyGroup):
     """What the run that made a person's skeleton said; lengths in the scene's units."""
 
-    ending: StringProperty()
+    ending: StringProperty(description="How the run ended, one sentence")
     verdict: StringProperty(description="How far the whole can be trusted: good, doubtful, failed")
-    warnings: StringProperty()
+    warnings: StringProperty(description="What should be known about the result, one sentence per line")
     bones: CollectionProperty(type=MOULAGE_PG_bone_verdict, description="Failed ones first")
     active_bone: IntProperty(name="Bone", description="Choosing a bone selects it", update=_select_bone)
-    mean_residual: FloatProperty(default=-1.0)
-    max_residual: FloatProperty(default=-1.0)
-    iterations: IntProperty()
-    seconds: FloatProperty()
-    joints: CollectionProperty(type=MOULAGE_PG_joint_result)
+    mean_residual: FloatProperty(description="Mean distance between bones and target", default=-1.0)
+    max_residual: FloatProperty(description="Largest distance between bones and target", default=-1.0)
+    iterations: IntProperty(description="Steps of the run")
+    seconds: FloatProperty(description="How long the run took")
+    joints: CollectionProperty(type=MOULAGE_PG_joint_result, description="Those at their limits first")
     active_joint: IntProperty(name="Joint", description="Joints at their limits come first")
     share: FloatProperty(
         name="Template to Person", subtype="FACTOR", min=0.0, max=1.0, default=1.0, update=_show_share,
@@ -99,12 +99,12 @@ class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
     """A skeleton: what it is registered to, and what came out."""
 
     uid: StringProperty(description="Stays the same when the object is renamed")
-    loops: CollectionProperty(type=MOULAGE_PG_loop)
-    carried: CollectionProperty(type=MOULAGE_PG_soft)
-    active_carried: IntProperty()
+    loops: CollectionProperty(type=MOULAGE_PG_loop, description="Joints that close loops")
+    carried: CollectionProperty(type=MOULAGE_PG_soft, description="Soft tissues that move along")
+    active_carried: IntProperty(name="Soft tissue", description="The mesh that the button removes from the list")
 
     target_kind: EnumProperty(
-        name="To", items=[
+        name="To", description="What shows where the person's bones are", items=[
             ("SURFACE", "Surface", "One surface of all the person's bones, which may be fused"),
             ("BONES", "Bones", "A collection with a surface per bone, named as the bone; other bones follow their joints"),
             ("LABELS", "Label map", "A segmentation of the person's bones"),
@@ -148,8 +148,8 @@ class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
         name="Keep earlier results", description="Each run makes a person of its own instead of replacing the last"
     )
 
-    person: PointerProperty(name="Person", type=bpy.types.Object)
-    result: PointerProperty(type=MOULAGE_PG_registration)
+    person: PointerProperty(name="Person", description="The last result's armature", type=bpy.types.Object)
+    result: PointerProperty(type=MOULAGE_PG_registration, description="What the run that made it said")
     pose: PointerProperty(description="The action that holds the pose of the scan", type=bpy.types.Action)
     motion: PointerProperty(description="The template's motion for this person", type=bpy.types.Action)
 

@@ -2132,6 +2132,17 @@ MlgStatus mlg_volume_labels(const MlgVolume *labels,
                             MlgError *error);
 
 /**
+ * The name that the file has for a label (TotalSegmentator's and 3D Slicer's have), in UTF-8, written as by
+ * `mlg_tri_mesh_check`; empty where it has none.
+ */
+MlgStatus mlg_volume_label_name(const MlgVolume *labels,
+                                uint32_t label,
+                                char *buffer,
+                                size_t capacity,
+                                size_t *out_length,
+                                MlgError *error);
+
+/**
  * The outlines of one label of a label map on a plane, smooth over the voxels' stairs. Free with
  * `mlg_polylines_free`.
  */

@@ -120,7 +120,10 @@ class _Export(NeedsTemplate, ExportHelper):
         return {"FINISHED"}
 
 
-_FORMAT = bpy.props.EnumProperty(name="Format", items=[(ending, text, "") for ending, text in _WRITTEN])
+_FORMAT = bpy.props.EnumProperty(
+    name="Format", description="Which program is to read the file",
+    items=[(ending, text, f"A file ending in {ending}") for ending, text in _WRITTEN],
+)
 
 
 class MOULAGE_OT_export_markers(_Export, bpy.types.Operator):
@@ -152,7 +155,8 @@ class MOULAGE_OT_export_landmarks(_Export, bpy.types.Operator):
     filename_ext = ""
     format: _FORMAT
     side: bpy.props.EnumProperty(
-        name="Side", items=[("TARGET", "Person", "Their places on the person"), ("TEMPLATE", "Template", "Their places on the template")]
+        name="Side", description="Which of the two places is written",
+        items=[("TARGET", "Person", "Their places on the person"), ("TEMPLATE", "Template", "Their places on the template")],
     )
     scale: SCALE
 

@@ -17,9 +17,11 @@ class MOULAGE_OT_add_landmark(NeedsTemplate, bpy.types.Operator):
     bl_label = "Add Landmark"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    name: bpy.props.StringProperty(name="Name")
-    template_point: bpy.props.FloatVectorProperty(name="On the template", subtype="XYZ")
-    target: bpy.props.FloatVectorProperty(name="On the person", subtype="XYZ")
+    name: bpy.props.StringProperty(name="Name", description="Empty: the next number")
+    template_point: bpy.props.FloatVectorProperty(
+        name="On the template", description="World position on the template at rest", subtype="XYZ"
+    )
+    target: bpy.props.FloatVectorProperty(name="On the person", description="World position", subtype="XYZ")
 
     def execute(self, context):
         landmarks.add(context, properties.template_of(context), self.name, self.template_point, self.target)

@@ -3,9 +3,18 @@
 
 import bpy
 
-from .. import landmarks, preflight, properties, runs, solve
+from .. import landmarks, preflight, properties, runs, solve, units
 from ..library import Wrong
 from .base import NeedsTemplate, Runs
+
+
+# How exact points usually are, in millimetres: about half a voxel of such an image, or a scanner's noise.
+_SOURCES = {
+    "BONE": ("CT, Bone", "Points on a bone in slices of a CT", 0.3),
+    "ORGAN": ("CT, Organ", "Points on an organ's soft border in slices of a CT", 0.8),
+    "MRI": ("MRI", "Points on slices of an MRI", 1.0),
+    "LASER": ("Laser Scan", "Points of a surface scan", 0.1),
+}
 
 
 def _has_data(cls, template):
@@ -55,6 +64,26 @@ class MOULAGE_OT_reshape(Runs, NeedsTemplate, bpy.types.Operator):
         return solve.Solve(context, template)
 
 
+class MOULAGE_OT_tolerance_preset(NeedsTemplate, bpy.types.Operator):
+    """Set the tolerances to what is usual for points of this origin"""
+
+    bl_idname = "moulage.tolerance_preset"
+    bl_label = "Tolerance"
+
+    source: bpy.props.EnumProperty(
+        name="Points from", description="Where the person's points come from", items=[
+            (key, name, f"{description}: {size} mm") for key, (name, description, size) in _SOURCES.items()
+        ],
+    )
+
+    def execute(self, context):
+        data = properties.template_of(context).moulage
+        _name, _description, size = _SOURCES[self.source]
+        data.tolerance = size / units.millimetres(context.scene, 1.0)
+        data.landmark_tolerance = 0.0
+        return {"FINISHED"}
+
+
 class MOULAGE_OT_stop(bpy.types.Operator):
     """Stop the run and keep the best so far"""
 
@@ -70,4 +99,4 @@ class MOULAGE_OT_stop(bpy.types.Operator):
         return {"FINISHED"}
 
 
-classes = (MOULAGE_OT_reshape, MOULAGE_OT_stop)
+classes = (MOULAGE_OT_reshape, MOULAGE_OT_tolerance_preset, MOULAGE_OT_stop)

@@ -61,9 +61,10 @@ class MOULAGE_OT_markers_from_label(NeedsTemplate, bpy.types.Operator):
                 int(settings.label), axes, library.Clicks(every=settings.label_every, spacing=settings.label_spacing)
             )
         positions = found.points * scan.unit(context.scene)
-        made = markers.add_object(context, f"Label {settings.label}", positions)
+        name = scan.label_name(int(settings.label))
+        made = markers.add_object(context, name, positions)
         properties.template_of(context).moulage.markers = made
-        self.report({"INFO"}, f"{len(positions)} markers on the outlines of label {settings.label}.")
+        self.report({"INFO"}, f"{len(positions)} markers on the outlines of {name}.")
         return {"FINISHED"}
 
 
@@ -75,7 +76,7 @@ class MOULAGE_OT_scan_window(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     preset: bpy.props.EnumProperty(
-        name="Window", items=[(key, name, f"Window {width}, level {level}") for key, (name, width, level) in scan.PRESETS.items()]
+        name="Window", description="The tissue that is to be seen well", items=[(key, name, f"Window {width}, level {level}") for key, (name, width, level) in scan.PRESETS.items()]
     )
 
     def execute(self, context):
@@ -92,7 +93,10 @@ class MOULAGE_OT_look_at_slice(bpy.types.Operator):
     bl_label = "Look at Slice"
     bl_options = {"REGISTER", "UNDO"}
 
-    view: bpy.props.EnumProperty(name="Slice", items=[(v, v.capitalize(), "") for v in scan.VIEWS])
+    view: bpy.props.EnumProperty(
+        name="Slice", description="Which slice is looked at",
+        items=[(view, view.capitalize(), f"The {view.lower()} slice") for view in scan.VIEWS],
+    )
 
     @classmethod
     def poll(cls, context):

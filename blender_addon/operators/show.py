@@ -27,8 +27,7 @@ class MOULAGE_OT_show_heat_map(_NeedsResult, bpy.types.Operator):
     bl_label = "Show Heat Map"
 
     kind: bpy.props.EnumProperty(
-        name="Heat map",
-        items=[("NONE", "None", ""), ("DISTANCE", "Distance", ""), ("STRETCH", "Stretch", "")],
+        name="Heat map", description="What the template's colours tell", items=properties.HEAT_MAPS
     )
 
     def execute(self, context):

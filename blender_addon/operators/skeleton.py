@@ -137,7 +137,11 @@ class MOULAGE_OT_show_action(_NeedsSkeleton, bpy.types.Operator):
     bl_idname = "moulage.show_action"
     bl_label = "Show Pose or Motion"
 
-    kind: bpy.props.EnumProperty(name="Show", items=[("POSE", "Pose of the Scan", ""), ("MOTION", "Motion", "")])
+    kind: bpy.props.EnumProperty(
+        name="Show", description="What moves the person's armature", items=[
+            ("POSE", "Pose of the Scan", "As the bones lie in the scan"), ("MOTION", "Motion", "The template's action"),
+        ],
+    )
 
     @tells
     def execute(self, context):
@@ -158,7 +162,7 @@ class MOULAGE_OT_show_part(_NeedsSkeleton, bpy.types.Operator):
     bl_label = "Show or Hide"
 
     part: bpy.props.EnumProperty(
-        name="Part", items=[
+        name="Part", description="What is shown or hidden", items=[
             ("TEMPLATE", "Template", "The skeleton that was registered"),
             ("TARGET", "Target", "The surface or the bones that it was registered to"),
             ("PERSON", "Person", "The result"),

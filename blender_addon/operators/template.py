@@ -53,9 +53,13 @@ class MOULAGE_OT_fix_template(NeedsTemplate, bpy.types.Operator):
     bl_label = "Fix"
 
     normals: bpy.props.BoolProperty(name="Faces outward", description="Turn faces that look inward", default=True)
-    doubles: bpy.props.BoolProperty(name="Merge doubled vertices", default=True)
-    loose: bpy.props.BoolProperty(name="Remove loose vertices", default=True)
-    holes: bpy.props.BoolProperty(name="Close holes", default=True)
+    doubles: bpy.props.BoolProperty(
+        name="Merge doubled vertices", description="Those that lie at one place become one", default=True
+    )
+    loose: bpy.props.BoolProperty(
+        name="Remove loose vertices", description="Those that no face has", default=True
+    )
+    holes: bpy.props.BoolProperty(name="Close holes", description="Fill them with faces", default=True)
 
     @tells
     def execute(self, context):

@@ -20,6 +20,8 @@ public:
     MlgVolumeInfo info() const { return filled<MlgVolumeInfo>(mlg_volume_info, as_const()); }
     /** What was noticed while reading, one sentence per line. */
     std::string notes() const { return text(mlg_volume_notes, as_const()); }
+    /** The name that the file has for a label of a label map; empty where it has none. */
+    std::string label_name(std::uint32_t label) const { return text(mlg_volume_label_name, as_const(), label); }
     /** A plane as large as the image needs. `pixel`: mm; 0: the image's smallest spacing. */
     MlgSlicePlane plane(const Vector &axis, double position, double pixel = 0) const {
         return filled<MlgSlicePlane>(mlg_volume_plane, as_const(), axis.data(), position, pixel);

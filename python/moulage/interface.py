@@ -421,6 +421,7 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "tri_mesh_section": (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p, POINTER(c_void_p), POINTER(MlgError)),
     "volume_new": (c_void_p, POINTER(MlgVolumeGrid), POINTER(c_void_p), POINTER(MlgError)),
     "volume_labels": (c_void_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "volume_label_name": (c_void_p, c_uint32, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
     "volume_outlines": (c_void_p, c_uint32, POINTER(MlgSlicePlane), POINTER(c_void_p), POINTER(MlgError)),
     "volume_label_markers": (
         c_void_p, c_uint32, c_void_p, c_size_t, POINTER(MlgClicks), POINTER(c_void_p), POINTER(MlgError),

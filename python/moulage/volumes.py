@@ -259,6 +259,12 @@ class Volume(Handle):
         native.call("volume_labels", self, address(found), len(found), byref(count))
         return [int(label) for label in found]
 
+    @property
+    def label_names(self) -> dict[int, str]:
+        """The names that the file has for its labels, as TotalSegmentator's and 3D Slicer's have; may be empty."""
+        names = {label: native.text("volume_label_name", self, label) for label in self.labels}
+        return {label: name for label, name in names.items() if name}
+
     def outlines(self, label: int, plane: Plane) -> list[NDArray[numpy.float64]]:
         """Find the outlines of a label on a plane.
 

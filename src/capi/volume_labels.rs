@@ -1,5 +1,6 @@
 //! Label maps: which labels there are, their outlines, markers on them, their surfaces.
 
+use libc::c_char;
 use std::ptr;
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
@@ -59,6 +60,24 @@ pub unsafe extern "C" fn mlg_volume_labels(
         }
         // SAFETY: as above.
         unsafe { buffers::write(out_count, known.len(), "out_count") }
+    })
+}
+
+/// The name that the file has for a label (TotalSegmentator's and 3D Slicer's have), in UTF-8, written as by
+/// `mlg_tri_mesh_check`; empty where it has none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_volume_label_name(
+    labels: *const MlgVolume,
+    label: u32,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    access::with((labels, "labels"), error, |file: &VolumeFile| {
+        let name = file.label_names.get(&label).map_or("", String::as_str);
+        // SAFETY: the caller's promise (see the module).
+        unsafe { buffers::write_text(name, buffer, capacity, out_length) }
     })
 }
 

@@ -1,5 +1,6 @@
 //! Medical images from memory, and their voxels.
 
+use std::collections::BTreeMap;
 use std::ptr;
 
 use super::access;
@@ -92,7 +93,7 @@ pub unsafe extern "C" fn mlg_volume_new(
         // SAFETY: as above.
         let values = unsafe { buffers::list(values, voxel_count(grid.size)?, "values")? };
         let volume = Volume::new(grid.size, values, steps, origin)?;
-        Ok(VolumeFile { volume, format: "memory", notes: Vec::new() })
+        Ok(VolumeFile { volume, format: "memory", notes: Vec::new(), label_names: BTreeMap::new() })
     })
 }
 

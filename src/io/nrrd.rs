@@ -1,8 +1,10 @@
 //! NRRD images, `.nrrd` and `.nhdr` with a file of voxels beside it. Own code: no kept-up crate
 //! reads them.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::label_names::nrrd_label_names;
 use super::text::shorten;
 use super::voxels::{self, Encoding, Number, Packing};
 use super::{read_bytes, text};
@@ -39,16 +41,17 @@ pub fn parse_nrrd(bytes: &[u8], path: &Path) -> Result<Volume> {
     volume(&header, rest, path)
 }
 
-/// Reads one image; `.nhdr` headers name a file of voxels beside them.
-pub fn read_nrrd(path: &Path) -> Result<Volume> {
+/// Reads one image and the names of its labels; `.nhdr` headers name a file of voxels beside them.
+pub fn read_nrrd(path: &Path) -> Result<(Volume, BTreeMap<u32, String>)> {
     let bytes = read_bytes(path)?;
+    let names = nrrd_label_names(&bytes);
     let (header, rest) = header(&bytes, path)?;
-    let Some(file) = &header.data_file else { return volume(&header, rest, path) };
+    let Some(file) = &header.data_file else { return Ok((volume(&header, rest, path)?, names)) };
     if file.starts_with("LIST") || file.contains('%') {
         return Err(Error::parse(path, None, "the voxels are in many files; save them in one"));
     }
     let beside = path.with_file_name(file);
-    volume(&header, &read_bytes(&beside)?, &beside)
+    Ok((volume(&header, &read_bytes(&beside)?, &beside)?, names))
 }
 
 /// The header and what follows the empty line after it.

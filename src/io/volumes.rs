@@ -1,8 +1,10 @@
 //! Volume files, by what they are.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::dicom::read_dicom;
+use super::label_names::nifti_label_names;
 use super::meta_image::read_meta_image;
 use super::nifti::parse_nifti;
 use super::nrrd::read_nrrd;
@@ -19,6 +21,8 @@ pub struct VolumeFile {
     pub format: &'static str,
     /// What the user should know, one sentence each.
     pub notes: Vec<String>,
+    /// The names that the file has for the labels of a label map.
+    pub label_names: BTreeMap<u32, String>,
 }
 
 /// Whether [`read_volume`] would take this path: an extension of a volume, or a folder.
@@ -35,10 +39,18 @@ pub fn read_volume(path: &Path) -> Result<VolumeFile> {
             path.display()
         ))
     })?;
-    let mut notes = Vec::new();
+    let (mut notes, mut label_names) = (Vec::new(), BTreeMap::new());
     let volume = match format {
-        "NIfTI" => parse_nifti(&read_bytes(path)?, path)?,
-        "NRRD" => read_nrrd(path)?,
+        "NIfTI" => {
+            let bytes = read_bytes(path)?;
+            label_names = nifti_label_names(&bytes);
+            parse_nifti(&bytes, path)?
+        }
+        "NRRD" => {
+            let (volume, found) = read_nrrd(path)?;
+            label_names = found;
+            volume
+        }
         "MetaImage" => read_meta_image(path)?,
         _ => {
             let (volume, found) = read_dicom(path)?;
@@ -46,7 +58,7 @@ pub fn read_volume(path: &Path) -> Result<VolumeFile> {
             volume
         }
     };
-    Ok(VolumeFile { volume, format, notes })
+    Ok(VolumeFile { volume, format, notes, label_names })
 }
 
 fn format(path: &Path) -> Option<&'static str> {

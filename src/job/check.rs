@@ -77,14 +77,16 @@ fn markers(path: &Path) -> Result<FileCheck> {
 
 fn volume(path: &Path) -> Result<FileCheck> {
     const MOST_LABELS: usize = 200;
-    let io::VolumeFile { volume, format, notes } = io::read_volume(path)?;
+    let io::VolumeFile { volume, format, notes, label_names } = io::read_volume(path)?;
     let [i, j, k] = volume.size();
     let spacing = volume.spacing();
     let [low, high] = volume.range();
     let corners = volume.corners();
     let labels = volume.labels().filter(|l| !l.is_empty() && l.len() <= MOST_LABELS);
     let values = labels.map_or(format!("values {low} to {high}"), |labels| {
-        let list: Vec<String> = labels.iter().map(|(l, n)| format!("{l} ({n} voxels)")).collect();
+        let name = |l| label_names.get(l).map_or(String::new(), |name| format!("{name}, "));
+        let list: Vec<String> =
+            labels.iter().map(|(l, n)| format!("{l} ({}{n} voxels)", name(l))).collect();
         format!("labels {}", list.join(", "))
     });
     Ok(FileCheck {

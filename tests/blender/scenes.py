@@ -37,6 +37,7 @@ def empty_scene():
     bpy.data.orphans_purge(do_recursive=True)
     bpy.context.scene.unit_settings.scale_length = 1.0
     # A typed length has the unit that is shown.
+    bpy.context.scene.unit_settings.system = "METRIC"
     bpy.context.scene.unit_settings.length_unit = "METERS"
 
 
@@ -97,13 +98,13 @@ def egg_image():
     return numpy.where(bx**2 + by**2 + bz**2 < 1, 1000, 0).astype("<i2")
 
 
-def write_egg_scan(path, values=None):
-    """The egg as NRRD."""
+def write_egg_scan(path, values=None, fields=""):
+    """The egg as NRRD, with fields of one's own."""
     values = egg_image() if values is None else values.astype("<i2")
     head = (
         "NRRD0004\ntype: short\ndimension: 3\nspace: right-anterior-superior\nsizes: 41 41 41\n"
         "space directions: (0.1,0,0) (0,0.1,0) (0,0,0.1)\nspace origin: (-2,-2,-2)\nencoding: raw\n"
-        "endian: little\n\n"
+        f"endian: little\n{fields}\n"
     )
     path.write_bytes(head.encode() + values.tobytes())
     return path

@@ -156,6 +156,7 @@ static void imaged() {
     const Volume volume(values, grid);
     CHECK(volume.values().size == values.size() && volume.values()[24 * 24 * 12 + 24 * 12 + 12] == 7);
     CHECK(volume.info().world_from_voxel[0] == -2 && volume.info().world_from_voxel[3] == 28);
+    CHECK(volume.label_name(7).empty());
     CHECK(volume.notes().empty() && volume.labels() == std::vector<std::uint32_t>{7});
     const TriMesh surface = volume.label_surface(7);
     for (std::size_t i = 0; i < surface.points().size; i += 3) {

@@ -58,6 +58,18 @@ class Volumes(unittest.TestCase):
         with self.assertRaisesRegex(moulage.Error, "grid.spacing\\[1\\] is 0"):
             moulage.Volume.from_array(values, (1, 0, 1))
 
+    def test_labels_have_the_names_of_their_file(self):
+        head = (
+            "NRRD0004\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 2 2 2\n"
+            "space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n"
+            "Segment0_Name:=left kidney\nSegment0_LabelValue:=3\n\n"
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "segments.seg.nrrd"
+            path.write_bytes(head.encode() + bytes([0, 3, 5, 0, 0, 0, 0, 0]))
+            segments = moulage.Volume(path)
+        self.assertEqual((segments.labels, segments.label_names), ([3, 5], {3: "left kidney"}))
+
     def test_a_label_map_gives_its_labels_outlines_markers_and_surface(self):
         k, j, i = numpy.meshgrid(*[numpy.arange(-12, 13)] * 3, indexing="ij")
         ball = moulage.Volume.from_array(7 * (i**2 + j**2 + k**2 < 81), (2, 2, 2), (-24, -24, -24))

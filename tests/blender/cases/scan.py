@@ -109,13 +109,15 @@ class Scan(unittest.TestCase):
 
     def test_a_label_map_becomes_markers(self):
         labels = (scenes.egg_image() > 0) * 5
-        scenes.write_egg_scan(Path(self.folder.name) / "labels.nrrd", labels)
+        names = "Segment0_Name:=left_kidney\nSegment0_LabelValue:=5\n"
+        scenes.write_egg_scan(Path(self.folder.name) / "labels.nrrd", labels, names)
         with self.assertRaisesRegex(RuntimeError, "poll"):
             bpy.ops.moulage.markers_from_label()
         self.settings.label_map = str(Path(self.folder.name) / "labels.nrrd")
         self.assertEqual(self.settings.label, "5")
         self.settings.label_every, self.settings.label_spacing = 0.4, 0.2
         bpy.ops.moulage.markers_from_label()
+        self.assertEqual(self.template.moulage.markers.name, "Left kidney (5)")
         axial = part("markers").points(self.template)
         self.settings.label_planes = {"AXIAL", "SAGITTAL"}
         bpy.ops.moulage.markers_from_label()

@@ -34,6 +34,13 @@ class Lengths(unittest.TestCase):
                     self.settings.length_unit = name
                 self.assertEqual(self.texts(*lengths), words)
 
+    def test_a_preset_of_the_tolerance_is_in_millimetres(self):
+        template = scenes.ball_and_markers()
+        for scale, tolerance in ((0.001, 0.3), (1.0, 0.0003)):
+            bpy.context.scene.unit_settings.scale_length = scale
+            bpy.ops.moulage.tolerance_preset(source="BONE")
+            self.assertAlmostEqual(template.moulage.tolerance, tolerance, places=6)
+
 
 class HeatMaps(unittest.TestCase):
     def test_a_range_is_that_of_the_values_or_what_is_asked_for(self):
@@ -64,3 +71,25 @@ class HeatMaps(unittest.TestCase):
         data.heat_limit = 3 * before[1]
         numpy.testing.assert_allclose(data.result.heat_range, 3 * before, rtol=1e-6)
         self.assertGreater(part("legend").largest_value(template, "STRETCH"), 1.0)
+
+
+class Tooltips(unittest.TestCase):
+    maxDiff = None
+
+    def test_every_property_every_choice_and_every_operator_is_explained(self):
+        operators = [getattr(bpy.ops.moulage, name).get_rna_type() for name in dir(bpy.ops.moulage)]
+        groups = [cls.bl_rna for cls in bpy.types.PropertyGroup.__subclasses__() if cls.__name__.startswith("MOULAGE")]
+        self.assertGreater(min(len(operators), len(groups)), 15)
+        silent = [found.identifier for found in operators if not found.description]
+        for found in operators + groups:
+            silent += [f"{found.identifier}.{name}" for prop in found.properties for name in self.unexplained(prop)]
+        self.assertEqual("\n".join(silent), "")
+
+    def unexplained(self, prop):
+        # Blender's own, and what is not shown.
+        if prop.identifier in {"rna_type", "filepath", "files", "directory", "filter_glob", "check_existing"} or prop.is_hidden:
+            return
+        if not prop.description:
+            yield prop.identifier
+        if prop.type == "ENUM":
+            yield from (f"{prop.identifier}: {item.identifier}" for item in prop.enum_items if not item.description)

@@ -80,7 +80,7 @@ def pixels():
 def windows():
     """Presets by the menu, width and level by keys: the picture changes."""
     before = pixels()
-    x, y = yield from find(".moulage.window_width", LEFT)
+    x, y = yield from find(".moulage.window_level", LEFT)
     for letter, width in (("B", 2000), ("L", None), ("S", 400)):
         yield from choose_at((x, y - 24), letter)
         if width is not None:
