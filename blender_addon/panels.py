@@ -36,6 +36,18 @@ def write(layout, context, text, icon="NONE", width=0):
             column.label(text=line, icon=icon if number == 0 else ("BLANK1" if icon != "NONE" else "NONE"))
 
 
+def field(layout, data, name, **search):
+    """A property with its name above it: beside it the name would be cut off. `search`: where its value is looked for."""
+    column = layout.column(align=True)
+    title = column.row()
+    title.scale_y = 0.7
+    title.label(text=data.bl_rna.properties[name].name)
+    if search:
+        column.prop_search(data, name, search["of"], search["among"], text="")
+    else:
+        column.prop(data, name, text="")
+
+
 def draw_doubts(layout, context, template, width=0):
     """What is suspicious, each sentence with the button that mends it."""
     width = width or letters(context) - 3
@@ -161,9 +173,8 @@ class MOULAGE_PT_markers(NeedsTemplate, bpy.types.Panel):
         data = properties.template_of(context).moulage
         layout.operator("moulage.import_person", icon="IMPORT")
         write(layout, context, "Points of the person's surface, in no order.")
-        column = layout.column(align=True)
-        column.prop(data, "markers")
-        column.prop(data, "marker_empties")
+        field(layout, data, "markers")
+        field(layout, data, "marker_empties")
         row = layout.row(align=True)
         row.operator("moulage.import_markers", text="Import", icon="IMPORT")
         row.operator("moulage.export_markers", text="Export", icon="EXPORT")
@@ -222,16 +233,14 @@ class MOULAGE_PT_attachments(NeedsTemplate, bpy.types.Panel):
         side.operator("moulage.remove_attachment", text="", icon="REMOVE")
         if data.active_attachment < len(data.attachments):
             item = data.attachments[data.active_attachment]
-            column = layout.column()
-            column.prop(item, "bone")
-            column.prop(item, "target")
-            column.prop(item, "by")
+            for name in ("bone", "target", "by"):
+                field(layout, item, name)
             if item.by == "GROUP":
-                column.prop_search(item, "group", template, "vertex_groups")
+                field(layout, item, "group", of=template, among="vertex_groups")
             else:
-                column.prop(item, "distance")
+                layout.prop(item, "distance")
         layout.prop(data, "hard_attachments")
-        layout.prop_search(data, "fixed_group", template, "vertex_groups")
+        field(layout, data, "fixed_group", of=template, among="vertex_groups")
 
 
 class MOULAGE_PT_reshape(NeedsTemplate, bpy.types.Panel):
@@ -281,8 +290,8 @@ class MOULAGE_PT_tets(NeedsTemplate, bpy.types.Panel):
         layout = self.layout
         layout.enabled = not runs.is_running()
         data = properties.template_of(context).moulage
+        field(layout, data, "method")
         column = layout.column()
-        column.prop(data, "method")
         column.prop(data, "tet_count")
         column.operator("moulage.tetrahedralize", icon="MESH_ICOSPHERE")
         if data.tets_text:

@@ -163,7 +163,7 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     )
     attachments: CollectionProperty(type=MOULAGE_PG_attachment, description="Where the template grows on bones")
     active_attachment: IntProperty(name="Attachment", description="The attachment that is edited below the list")
-    fixed_group: StringProperty(name="Fixed", description="Vertex group of the template that stays where it is")
+    fixed_group: StringProperty(name="Fixed vertices", description="Vertex group of the template that stays where it is")
     carried: CollectionProperty(type=MOULAGE_PG_carried, description="Meshes that move along")
     active_carried: IntProperty(name="Carried mesh", description="The mesh that the button removes from the list")
 

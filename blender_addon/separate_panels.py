@@ -4,7 +4,7 @@
 import bpy
 
 from . import runs, separate_properties
-from .panels import Panel, draw_run, write
+from .panels import Panel, draw_run, field, write
 from .result import SEPARATED
 
 
@@ -19,9 +19,8 @@ class MOULAGE_PT_separate(Panel, bpy.types.Panel):
             return
         settings = context.scene.moulage_separate
         soft, hard = separate_properties.chosen(context)
-        column = layout.column()
-        column.prop(settings, "bones")
-        column.prop(settings, "gap")
+        field(layout, settings, "bones")
+        layout.prop(settings, "gap")
         if len(soft) + len(hard) < 2 or not soft:
             write(layout, context, "Select the muscles or organs that overlap.", "INFO")
         else:
@@ -52,9 +51,11 @@ class MOULAGE_PT_separate_settings(Panel, bpy.types.Panel):
         layout = self.layout
         layout.enabled = not runs.is_running()
         write(layout, context, "Meshes that were not reshaped here are filled with tets.")
+        settings = context.scene.moulage_separate
+        field(layout, settings, "method")
         column = layout.column()
-        for name in ("method", "tet_count", "rings", "live"):
-            column.prop(context.scene.moulage_separate, name)
+        for name in ("tet_count", "rings", "live"):
+            column.prop(settings, name)
 
 
 classes = (MOULAGE_PT_separate, MOULAGE_PT_separate_settings)

@@ -7,7 +7,7 @@ import bpy
 
 from . import once, person, registering, runs, skeleton, skeleton_properties, units
 from .library import Wrong
-from .panels import Panel, draw_run, write
+from .panels import Panel, draw_run, field, write
 
 
 class MOULAGE_PT_skeleton(Panel, bpy.types.Panel):
@@ -81,19 +81,21 @@ class MOULAGE_PT_register(_NeedsSkeleton, bpy.types.Panel):
             return
         armature = skeleton_properties.skeleton_of(context)
         data = armature.moulage_skeleton
-        column = layout.column()
-        column.prop(data, "target_kind", text="")
+        field(layout, data, "target_kind")
         names = {
             "SURFACE": ("target",), "BONES": ("target_bones",), "LABELS": ("label_map", "label"),
             "IMAGE": ("image", "reference"),
         }
         for name in names[data.target_kind]:
-            column.prop(data, name, text="" if name in {"target", "target_bones"} else None)
+            if name == "label":
+                layout.prop(data, name)
+            else:
+                field(layout, data, name)
         settings = layout.column()
         if data.target_kind != "IMAGE":
             settings.prop(data, "near")
             settings.prop(data, "as_is")
-        settings.prop(data, "limits")
+        field(settings, data, "limits")
         settings.prop(data, "live")
         settings.prop(data, "keep")
         missing = registering.missing(armature)

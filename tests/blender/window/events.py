@@ -12,6 +12,8 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 # Turns of Blender's loop after which nothing more is waited for, where no run goes on.
 _PATIENCE = 3000
 _TURNS = 4
+# What was clicked so far, or entered in the file browser: a file, and its button.
+CLICKS = []
 _DIGITS = dict(zip("0123456789", ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")))
 _SIGNS = {" ": "SPACE", ".": "PERIOD", "/": "SLASH", "-": "MINUS", "_": "MINUS"}
 
@@ -53,6 +55,7 @@ def press(kind, place=None, text=None, **modifiers):
 
 def click(x, y, **modifiers):
     """Moves there and clicks."""
+    CLICKS.append("a button")
     event("MOUSEMOVE", "NOTHING", (x, y))
     yield from pause()
     press("LEFTMOUSE", (x, y), **modifiers)
@@ -103,6 +106,7 @@ def choose_file(path, **options):
         found[:] = [(w, a) for w in bpy.context.window_manager.windows for a in w.screen.areas if a.type == "FILE_BROWSER"]
         return bool(found) and found[0][1].spaces.active.params is not None
 
+    CLICKS.extend([path.name, "the file browser's button"])
     yield from until(browser, f"the file browser for {path.name}")
     own, place = found[0]
     space = place.spaces.active

@@ -21,7 +21,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import run  # noqa: E402
 
 CHAPTERS = (
-    "template", "markers", "landmarks", "attachments", "reshaping", "scan", "interruptions", "live", "skeleton", "separate",
+    "way", "template", "markers", "landmarks", "attachments", "reshaping", "scan", "interruptions", "live", "skeleton", "separate",
 )
 
 

@@ -58,6 +58,11 @@ def _scroll(wheel, count):
     yield from pause()
 
 
+def scroll_to_end():
+    yield from _scroll("WHEELDOWNMOUSE", 60)
+    _texts.clear()
+
+
 def _text_at(x, y):
     """The data path or the command of the button there, or nothing."""
     event("MOUSEMOVE", "NOTHING", (x, y))

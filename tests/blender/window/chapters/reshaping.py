@@ -19,6 +19,8 @@ def session():
     yield from until(lambda: not has_result(), "undo")
     assert template().moulage.result.key == ""
     yield from whole_run()
+    # Without the others above it nothing of the panel is out of sight.
+    yield from show_panels("Result")
     yield from slider()
     yield from heat_maps()
     yield from click_button("moulage.copy_result")

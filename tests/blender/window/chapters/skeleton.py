@@ -2,10 +2,10 @@
 
 import bpy
 from events import (
-    choose_file, in_view, look_at, picture, press, running, scene, search, undo, until,
+    choose_file, click, in_view, look_at, picture, press, running, scene, search, undo, until,
 )
 from setting import HAND, clear
-from sidebar import LEFT, click_button, open_tab, pick, show_panels
+from sidebar import LEFT, click_button, find, open_tab, pick, scroll_to_end, show_panels, type_into
 
 
 def skeleton():
@@ -58,13 +58,22 @@ def stop_by_esc():
 def whole_registration():
     yield from click_button("moulage.register")
     yield from until(lambda: is_shown() or person() is not None, "the live view of the whole registration")
-    skeleton().moulage_skeleton.target.hide_set(True)
     yield from picture("skeleton_running")
     yield from until(lambda: person() is not None and not running(), "the end of the registration")
     own = person()
     assert own.moulage_skeleton.result.mean_residual < 0.05
-    bpy.context.view_layer.update()
-    for ob in [skeleton(), *skeleton().children, skeleton().moulage_skeleton.target]:
-        ob.hide_set(True)
+    assert not skeleton().visible_get()
+    yield from click_button("show_part(part='TARGET')", (0.5,))
+    yield from until(lambda: not skeleton().moulage_skeleton.target.visible_get(), "the surface to hide")
     yield from look_at(list(own.children), "RIGHT")
     yield from picture("skeleton")
+    result = own.moulage_skeleton.result
+    yield from type_into(".result.share", "0")
+    yield from until(lambda: result.share == 0, "the slider at the template")
+    keys = own.children[0].data.shape_keys.key_blocks
+    assert keys["Template"].value == 1
+    yield from scroll_to_end()
+    # The second row of the list of bones, below the buttons and its title.
+    x, y = yield from find("show_part(part='TEMPLATE')", LEFT)
+    yield from click(x, y - 86)
+    yield from until(lambda: bpy.context.selected_objects == [result.bones[1].object], "the bone that was clicked")
