@@ -14,7 +14,7 @@ from . import (
 _LIMIT = 100_000
 # How far dots are drawn in front of their place, as a share of the markers' extent.
 _LIFT = 0.01
-_DOT, _LARGEST_DOT = 6.0, 13.0
+_DOT, _RIM = 6.0, 11.0
 _PLAIN = (1.0, 0.55, 0.1, 1.0)
 _LINE = (1.0, 0.85, 0.2, 1.0)
 _CONTOUR = (0.2, 1.0, 0.4, 1.0)
@@ -32,15 +32,17 @@ def _marker_colours(template, count):
 
 
 def _dots(template, slab):
-    """Batches of all markers and of the one that is farthest off, and their extent; None without markers."""
+    """A batch of all markers, two for the one that is farthest off, its rim and itself, and the markers' extent; None
+    without markers."""
     points = markers.points(template)
     if not 0 < len(points) <= _LIMIT:
         return None
     colours, farthest = _marker_colours(template, len(points))
     near = numpy.ones(len(points), dtype=bool) if slab is None else slab.holds(points)
-    largest = None
+    largest = ()
     if farthest is not None and near[farthest]:
-        largest = drawing.dots(points[[farthest]], numpy.array([drawing.WHITE]))
+        place = points[[farthest]]
+        largest = drawing.dots(place, numpy.array([drawing.WHITE])), drawing.dots(place, colours[[farthest]])
     return drawing.dots(points[near], colours[near]), largest, float(numpy.ptp(points, axis=0).max())
 
 
@@ -54,11 +56,13 @@ def _draw_markers(context, template):
     with gpu.matrix.push_pop():
         # A little towards the viewer: dots that lie on the surface are not cut in half by it.
         gpu.matrix.translate(context.region_data.view_rotation @ mathutils.Vector((0, 0, _LIFT * size)))
-        for dots, width in ((largest, _LARGEST_DOT), (batch, _DOT)):
-            if dots is not None:
-                gpu.state.point_size_set(width)
-                dots.draw(drawing.shader("FLAT_COLOR"))
+        gpu.state.point_size_set(_DOT)
+        batch.draw(drawing.shader("FLAT_COLOR"))
     gpu.state.depth_test_set("NONE")
+    # Seen also where the template hides it.
+    for dot, width in zip(largest, (_RIM, _DOT)):
+        gpu.state.point_size_set(width)
+        dot.draw(drawing.shader("FLAT_COLOR"))
 
 
 def _draw_pairs(context, template):

@@ -109,9 +109,8 @@ class MOULAGE_PT_register(_NeedsSkeleton, bpy.types.Panel):
 class MOULAGE_UL_joints(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
         at_limit = item.usage >= person.AT_LIMIT
-        split = layout.split(factor=0.8, align=True)
-        split.label(text=item.name, icon="ERROR" if at_limit else "NONE")
-        split.label(text=f"{100 * item.usage:.0f} %")
+        # The share of the limits would leave no room for the name; the line below the list has it.
+        layout.label(text=item.name, icon="ERROR" if at_limit else "NONE")
 
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "doubtful": "QUESTION", "failed": "CANCEL"}
@@ -149,8 +148,9 @@ class MOULAGE_PT_person(_NeedsSkeleton, bpy.types.Panel):
         layout.template_list("MOULAGE_UL_joints", "", kept, "joints", kept, "active_joint", rows=4)
         if kept.active_joint < len(kept.joints):
             joint = kept.joints[kept.active_joint]
-            beyond = f", {math.degrees(joint.excess):.0f}° beyond its limit" if joint.excess > 0.01 else ""
-            write(layout, context, f"{joint.name}: turned by {math.degrees(joint.rotation):.0f}°{beyond}")
+            turned, share = f"turned by {math.degrees(joint.rotation):.0f}°", f"{100 * joint.usage:.0f} % of its limits"
+            beyond = f", {math.degrees(joint.excess):.0f}° beyond them" if joint.excess > 0.01 else ""
+            write(layout, context, f"{joint.name}: {turned}, {share}{beyond}")
         if own.moulage_skeleton.motion is not None:
             row = layout.row(align=True)
             shown = own.animation_data.action if own.animation_data else None

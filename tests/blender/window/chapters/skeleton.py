@@ -66,7 +66,6 @@ def whole_registration():
     yield from click_button("show_part(part='TARGET')", (0.5,))
     yield from until(lambda: not skeleton().moulage_skeleton.target.visible_get(), "the surface to hide")
     yield from look_at(list(own.children), "RIGHT")
-    yield from picture("skeleton")
     result = own.moulage_skeleton.result
     yield from type_into(".result.share", "0")
     yield from until(lambda: result.share == 0, "the slider at the template")
@@ -77,3 +76,6 @@ def whole_registration():
     x, y = yield from find("show_part(part='TEMPLATE')", LEFT)
     yield from click(x, y - 86)
     yield from until(lambda: bpy.context.selected_objects == [result.bones[1].object], "the bone that was clicked")
+    yield from type_into(".result.share", "1")
+    yield from until(lambda: result.share == 1, "the slider at the person")
+    yield from picture("skeleton")
