@@ -89,6 +89,7 @@ def unregister():
     runs.shut_down()
     solve.forget()
     overlay.unregister()
+    once.forget()
     for name, handler in _handlers:
         getattr(bpy.app.handlers, name).remove(handler)
     scan.forget()

@@ -244,6 +244,8 @@ def _keep(own, template, found, kept, seconds, unit, meshes):
     kept.mean_residual, kept.max_residual = summary["mean_residual"] * unit, summary["max_residual"] * unit
     kept.iterations, kept.seconds = summary["iterations"], seconds
     kept.warnings = "\n".join(library.sentence(line) for line in found.warnings)
+    # A person may have been the template.
+    kept.share = 1.0
     kept.bones.clear()
     fits = [(name, found.bone_fit(number)) for number, name in enumerate(template.names)]
     for verdict in ("failed", "doubtful", "good"):
