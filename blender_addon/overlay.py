@@ -32,13 +32,15 @@ def _marker_colours(template, count):
 
 
 def _dots(template, slab):
-    """A batch of all markers, two for the one that is farthest off, its rim and itself, and the markers' extent; None
-    without markers."""
+    """A batch of the markers near the slice that is looked at, or of all, two for the one that is farthest off, its rim
+    and itself, and the markers' extent; None where there are none."""
     points = markers.points(template)
     if not 0 < len(points) <= _LIMIT:
         return None
     colours, farthest = _marker_colours(template, len(points))
     near = numpy.ones(len(points), dtype=bool) if slab is None else slab.holds(points)
+    if not near.any():
+        return None
     largest = ()
     if farthest is not None and near[farthest]:
         place = points[[farthest]]
