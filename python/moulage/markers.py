@@ -195,10 +195,12 @@ class Pairs(Handle):
 
         Parameters
         ----------
-        surface, bone : TriMesh, trimesh.Trimesh or pyvista.PolyData
-            The template's soft tissue and its bone.
+        surface : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            The template's soft tissue.
         vertices : array_like of int, shape (k,)
             Of the surface.
+        bone : TriMesh, trimesh.Trimesh or pyvista.PolyData
+            The template's bone.
         person_bone : TriMesh, trimesh.Trimesh or pyvista.PolyData
             The bone's vertices where the person has them.
 

@@ -226,7 +226,7 @@ static void registered() {
     const RegistrationResult found = problem.start(options).wait();
     const Skeleton person = found.skeleton();
     CHECK(found.joint_pose(0).usage <= 1 && near(person.points()[2], 1.1, 0.05));
-    CHECK(found.warnings().find("in between") != std::string::npos);
+    CHECK(found.warnings().find("by length: between") != std::string::npos);
     // A target that shows one of two bones says so.
     Registration half(skeleton);
     half.set_bone_target(0, Ball(1.1).mesh());
