@@ -177,6 +177,11 @@ impl Moments {
             moments.covariance += b * a.transpose() * (weight(i) / total);
             moments.spread_from += a.norm_squared() * (weight(i) / total);
         }
+        if !(moments.covariance.norm() + moments.spread_from).is_finite() {
+            return Err(Error::invalid(
+                "the points of a fit lie too far apart to be computed with; check their unit",
+            ));
+        }
         Ok(moments)
     }
 
@@ -315,5 +320,15 @@ mod tests {
         assert!((s.inverse().compose(&s).apply(&p) - p).norm() < 1e-13);
         assert!((turned().inverse().compose(&turned()).apply(&p) - p).norm() < 1e-13);
         assert!((s.compose(&s).apply(&p) - s.apply(&s.apply(&p))).norm() < 1e-12);
+    }
+
+    #[test]
+    fn points_too_far_apart_for_their_squares_are_refused() {
+        let far = [Vec3::repeat(1e200), Vec3::repeat(-1e200), Vec3::x() * 1e200];
+        for fit in
+            [best_rigid(&far, &far, None).map(Similarity::from), best_similarity(&far, &far, None)]
+        {
+            assert!(fit.unwrap_err().to_string().contains("too far apart"));
+        }
     }
 }
