@@ -43,6 +43,31 @@ fn check_within(volume: &Volume, name: &str, tolerance: f64) {
 }
 
 #[test]
+fn labels_have_the_names_of_their_file() {
+    let table = b"<LabelTable><Label Key='5'><![CDATA[liver]]></Label></LabelTable>";
+    let mut named = nifti();
+    let begin = f32::from_le_bytes([named[108], named[109], named[110], named[111]]);
+    named.splice(352..352, [&[0; 8][..], table].concat());
+    named[108..112].copy_from_slice(&(begin + 8.0 + table.len() as f32).to_le_bytes());
+    // What comes after the extensions names nothing.
+    named.extend(b"<LabelTable><Label Key='9'>no</Label></LabelTable>");
+    let split = nrrd("raw").windows(2).position(|pair| pair == b"\n\n").unwrap();
+    let mut segments = nrrd("raw");
+    let lines = b"\nSegment0_Name:=liver\r\nSegment0_LabelValue:=5";
+    segments.splice(split..split, lines.iter().copied());
+    for (name, file) in
+        [("a.nii", named.clone()), ("a.nii.gz", gzip(&named)), ("a.seg.nrrd", segments)]
+    {
+        let path = std::env::temp_dir().join(format!("moulage-{}-{name}", std::process::id()));
+        std::fs::write(&path, file).unwrap();
+        let read = io::read_volume(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        check(&read.volume, name);
+        assert_eq!(read.label_names, io::LabelNames::from([(5, "liver".to_owned())]), "{name}");
+    }
+}
+
+#[test]
 fn all_formats_give_one_volume() {
     let path = Path::new("a");
     check(&io::parse_nifti(&nifti(), path).unwrap(), "nii");

@@ -10,14 +10,8 @@ fuzz_target!(|data: &[u8]| {
     let Some((&kind, rest)) = data.split_first() else { return };
     let path = Path::new("a");
     let volume = match kind % 4 {
-        0 => {
-            moulage::io::nifti_label_names(rest);
-            moulage::io::parse_nifti(rest, path)
-        }
-        1 => {
-            moulage::io::nrrd_label_names(rest);
-            moulage::io::parse_nrrd(rest, path)
-        }
+        0 => moulage::io::parse_nifti(rest, path),
+        1 => moulage::io::parse_nrrd(rest, path),
         2 => moulage::io::parse_meta_image(rest, path),
         _ => moulage::io::parse_dicom(&[(rest.to_vec(), path.into())], path).map(|(v, _)| v),
     };

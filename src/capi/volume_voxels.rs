@@ -1,13 +1,12 @@
 //! Medical images from memory, and their voxels.
 
-use std::collections::BTreeMap;
 use std::ptr;
 
 use super::access;
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
 use super::volume::MlgVolume;
-use crate::io::VolumeFile;
+use crate::io::{LabelNames, VolumeFile};
 use crate::math::{Mat3, Vec3};
 use crate::volume::{Volume, voxel_count};
 
@@ -93,7 +92,12 @@ pub unsafe extern "C" fn mlg_volume_new(
         // SAFETY: as above.
         let values = unsafe { buffers::list(values, voxel_count(grid.size)?, "values")? };
         let volume = Volume::new(grid.size, values, steps, origin)?;
-        Ok(VolumeFile { volume, format: "memory", notes: Vec::new(), label_names: BTreeMap::new() })
+        Ok(VolumeFile {
+            volume,
+            format: "memory",
+            notes: Vec::new(),
+            label_names: LabelNames::new(),
+        })
     })
 }
 

@@ -61,7 +61,7 @@ pub use csv_points::{parse_csv_markers, write_csv_markers};
 pub use dicom::{parse_dicom, read_dicom};
 pub use fcsv::{parse_fcsv, write_fcsv};
 pub use gmsh::parse_gmsh;
-pub use label_names::{nifti_label_names, nrrd_label_names};
+pub use label_names::LabelNames;
 pub use marker::Marker;
 pub use markers::{parse_markers, read_markers, write_markers};
 pub use markups::{parse_markups, write_markups};

@@ -6,17 +6,26 @@ use std::path::Path;
 
 use nifti::{Endianness, NiftiHeader};
 
+use super::label_names::{LabelNames, caret_names};
+use super::text;
 use super::voxels::{self, Encoding, Number, Packing};
 use crate::error::{Error, Result};
 use crate::math::{Mat3, Vec3};
 use crate::volume::Volume;
 
 const HEADER_BYTES: usize = 348;
+/// Extensions are read up to here; a broken header may say that they are longer.
+const MOST_EXTENSION_BYTES: u64 = 1 << 24;
 const NIFTI_2_BYTES: u32 = 540;
 
 /// Reads one image. World coordinates are the file's: RAS. The `sform` counts before the `qform`;
 /// a file with neither is an error, because its place and sides would be a guess.
 pub fn parse_nifti(bytes: &[u8], path: &Path) -> Result<Volume> {
+    Ok(parse_named_nifti(bytes, path)?.0)
+}
+
+/// The same with the names of labels in the file's extensions.
+pub fn parse_named_nifti(bytes: &[u8], path: &Path) -> Result<(Volume, LabelNames)> {
     let wrong = |message: String| Error::parse(path, None, message);
     let packed = bytes.starts_with(&[0x1f, 0x8b]);
     let packing = if packed { Packing::Gzip } else { Packing::None };
@@ -48,10 +57,15 @@ pub fn parse_nifti(bytes: &[u8], path: &Path) -> Result<Volume> {
         return Err(wrong(format!("the voxels cannot begin at byte {offset}")));
     }
     let before = (offset as usize - HEADER_BYTES) as u64;
-    let skipped = std::io::copy(&mut (&mut stream).take(before), &mut sink());
+    let mut extensions = Vec::new();
+    let mut between = (&mut stream).take(before);
+    let read = (&mut between).take(MOST_EXTENSION_BYTES).read_to_end(&mut extensions);
+    let skipped = read.and_then(|_| std::io::copy(&mut between, &mut sink()));
     skipped.map_err(|e| wrong(format!("the compressed voxels are broken: {e}")))?;
-    let data = voxels::take(stream, count).map_err(wrong)?;
-    Volume::new(size, encoding.values(&data), map, origin).map_err(|e| wrong(e.to_string()))
+    let data = voxels::take(stream, count).map_err(&wrong)?;
+    let volume =
+        Volume::new(size, encoding.values(&data), map, origin).map_err(|e| wrong(e.to_string()))?;
+    Ok((volume, caret_names(&text::decode(&extensions)).unwrap_or_default()))
 }
 
 fn size(header: &NiftiHeader) -> Result<[usize; 3], String> {

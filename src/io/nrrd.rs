@@ -1,10 +1,9 @@
 //! NRRD images, `.nrrd` and `.nhdr` with a file of voxels beside it. Own code: no kept-up crate
 //! reads them.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::label_names::nrrd_label_names;
+use super::label_names::{LabelNames, segment_names};
 use super::text::shorten;
 use super::voxels::{self, Encoding, Number, Packing};
 use super::{read_bytes, text};
@@ -26,6 +25,8 @@ struct Header {
     line_skip: usize,
     /// -1: the voxels are the last bytes of the file.
     byte_skip: i64,
+    /// The lines "key:=value", free text.
+    texts: Vec<(String, String)>,
 }
 
 /// Reads one image with its voxels in the same file.
@@ -42,10 +43,10 @@ pub fn parse_nrrd(bytes: &[u8], path: &Path) -> Result<Volume> {
 }
 
 /// Reads one image and the names of its labels; `.nhdr` headers name a file of voxels beside them.
-pub fn read_nrrd(path: &Path) -> Result<(Volume, BTreeMap<u32, String>)> {
+pub fn read_nrrd(path: &Path) -> Result<(Volume, LabelNames)> {
     let bytes = read_bytes(path)?;
-    let names = nrrd_label_names(&bytes);
     let (header, rest) = header(&bytes, path)?;
+    let names = segment_names(&header.texts);
     let Some(file) = &header.data_file else { return Ok((volume(&header, rest, path)?, names)) };
     if file.starts_with("LIST") || file.contains('%') {
         return Err(Error::parse(path, None, "the voxels are in many files; save them in one"));
@@ -78,8 +79,12 @@ fn header<'a>(bytes: &'a [u8], path: &Path) -> Result<(Header, &'a [u8])> {
             return Ok((header, rest));
         }
         let Some((key, value)) = line.split_once(':') else { continue };
-        // "key:=value" is free text.
-        if !line.starts_with('#') && !value.starts_with('=') {
+        if line.starts_with('#') {
+            continue;
+        }
+        if let Some(text) = value.strip_prefix('=') {
+            header.texts.push((key.to_owned(), text.to_owned()));
+        } else {
             header.set(&key.trim().to_lowercase(), value.trim()).map_err(wrong)?;
         }
     }

@@ -1,12 +1,11 @@
 //! Volume files, by what they are.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::dicom::read_dicom;
-use super::label_names::nifti_label_names;
+use super::label_names::LabelNames;
 use super::meta_image::read_meta_image;
-use super::nifti::parse_nifti;
+use super::nifti::parse_named_nifti;
 use super::nrrd::read_nrrd;
 use super::read_bytes;
 use crate::error::{Error, Result};
@@ -22,7 +21,7 @@ pub struct VolumeFile {
     /// What the user should know, one sentence each.
     pub notes: Vec<String>,
     /// The names that the file has for the labels of a label map.
-    pub label_names: BTreeMap<u32, String>,
+    pub label_names: LabelNames,
 }
 
 /// Whether [`read_volume`] would take this path: an extension of a volume, or a folder.
@@ -39,23 +38,15 @@ pub fn read_volume(path: &Path) -> Result<VolumeFile> {
             path.display()
         ))
     })?;
-    let (mut notes, mut label_names) = (Vec::new(), BTreeMap::new());
-    let volume = match format {
-        "NIfTI" => {
-            let bytes = read_bytes(path)?;
-            label_names = nifti_label_names(&bytes);
-            parse_nifti(&bytes, path)?
-        }
-        "NRRD" => {
-            let (volume, found) = read_nrrd(path)?;
-            label_names = found;
-            volume
-        }
-        "MetaImage" => read_meta_image(path)?,
+    let mut notes = Vec::new();
+    let (volume, label_names) = match format {
+        "NIfTI" => parse_named_nifti(&read_bytes(path)?, path)?,
+        "NRRD" => read_nrrd(path)?,
+        "MetaImage" => (read_meta_image(path)?, LabelNames::new()),
         _ => {
             let (volume, found) = read_dicom(path)?;
             notes = found;
-            volume
+            (volume, LabelNames::new())
         }
     };
     Ok(VolumeFile { volume, format, notes, label_names })
