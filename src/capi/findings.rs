@@ -8,7 +8,7 @@ use nalgebra::Matrix4;
 
 use super::boundary::{MlgError, MlgStatus, guard, name_of};
 use super::buffers::{self, Versioned};
-use super::mesh::{MlgTriMesh, Surface};
+use super::mesh::{MlgTriMesh, Surface, vertices_of};
 use super::pairs::{self, MlgPairs};
 use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{access, handles};
@@ -197,10 +197,7 @@ pub unsafe extern "C" fn mlg_tri_mesh_inspect(
         // SAFETY: the caller's promise (see the module).
         let markers = unsafe { buffers::points(markers, marker_count, "markers")? };
         // SAFETY: as above.
-        let fixed = unsafe { buffers::list(fixed, fixed_count, "fixed")? };
-        for &vertex in &fixed {
-            buffers::entry(&surface.mesh.points, vertex as usize, "vertex")?;
-        }
+        let fixed = unsafe { vertices_of(&surface.mesh, fixed, fixed_count, "fixed")? };
         let data = Data {
             surface: (&surface.mesh, "the template"),
             markers: &markers,

@@ -29,6 +29,21 @@ impl Surface {
     }
 }
 
+/// Numbers of vertices, all of them there.
+pub(super) unsafe fn vertices_of(
+    mesh: &TriMesh,
+    vertices: *const u32,
+    count: usize,
+    name: &str,
+) -> Outcome<Vec<u32>> {
+    // SAFETY: passed on from the caller.
+    let vertices = unsafe { buffers::list(vertices, count, name)? };
+    for &vertex in &vertices {
+        buffers::entry(&mesh.points, vertex as usize, "vertex")?;
+    }
+    Ok(vertices)
+}
+
 /// Makes a surface from arrays, which are copied.
 ///
 /// `points`: `3 * point_count` coordinates (x, y, z of each), finite, in any unit.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::ptr;
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
-use super::mesh::{MlgTriMesh, Surface};
+use super::mesh::{MlgTriMesh, Surface, vertices_of};
 use super::reshaping::{MlgReshaping, ProblemObject};
 use super::{access, buffers, handles};
 use crate::job::{Gap, read_attachment_pairs, read_fixed_vertices, read_landmark_pairs};
@@ -183,13 +183,7 @@ pub unsafe extern "C" fn mlg_pairs_from_vertices(
     access::make((out_pairs, "out_pairs"), error, || {
         let surface = handles::get::<Surface, _>(template_surface, "template_surface")?;
         // SAFETY: the caller's promise (see the module).
-        let vertices = unsafe { buffers::list(vertices, count, "vertices")? };
-        let known = surface.mesh.points.len();
-        if let Some(v) = vertices.iter().find(|v| **v as usize >= known) {
-            return Err(Failure::invalid(format!(
-                "vertices: there is no vertex {v}; the template has {known}"
-            )));
-        }
+        let vertices = unsafe { vertices_of(&surface.mesh, vertices, count, "vertices")? };
         let rest = handles::get::<Surface, _>(bone, "bone")?;
         let person = handles::get::<Surface, _>(person_bone, "person_bone")?;
         let (rest, person) = (&rest.mesh.points, &person.mesh.points);

@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
+use super::mesh::vertices_of;
 use super::tetrahedralization::{Carried, MlgTetrahedralization};
 use super::{access, handles};
 use crate::reshape::{Landmark, Marker, Options, Problem, TemplatePoint};
@@ -352,15 +353,7 @@ unsafe fn checked_vertices(
     count: usize,
 ) -> Outcome<Vec<u32>> {
     // SAFETY: passed on from the caller.
-    let rows = unsafe { buffers::index_rows::<1>(vertices, count, "vertices")? };
-    let known = problem.lock().surface.points.len();
-    let vertices: Vec<u32> = rows.into_iter().flatten().collect();
-    match vertices.iter().find(|&&v| v as usize >= known) {
-        Some(v) => Err(Failure::invalid(format!(
-            "vertex {v} does not exist: the template has {known} vertices (numbered from 0)"
-        ))),
-        None => Ok(vertices),
-    }
+    unsafe { vertices_of(&problem.lock().surface, vertices, count, "vertices") }
 }
 
 unsafe fn pairs(

@@ -130,7 +130,7 @@ class Answers(unittest.TestCase):
         chosen = moulage.Pairs.from_vertices(self.surface, [0, 7], bone, there)
         numpy.testing.assert_array_equal(chosen.template_vertices, [0, 7])
         numpy.testing.assert_allclose(chosen.targets - chosen.template_points, [[1, 0, 0]] * 2, atol=1e-12)
-        with self.assertRaisesRegex(moulage.Error, "there is no vertex 8"):
+        with self.assertRaisesRegex(moulage.Error, "vertex 8 does not exist: there are 8"):
             moulage.Pairs.from_vertices(self.surface, [8], bone, there)
         with self.assertRaisesRegex(moulage.Error, "target"):
             moulage.Pairs.load_attachments(self.surface, self.file("bad.csv", "vertex\n7\n"))
