@@ -48,8 +48,7 @@ def _dots(template, slab):
     return drawing.dots(points[near], colours[near]), largest, float(numpy.ptp(points, axis=0).max())
 
 
-def _draw_markers(context, template):
-    slab = slice_view.slab(context.scene)
+def _draw_markers(context, template, slab):
     dots = once.found("dots", (template.name, slab), lambda: _dots(template, slab))
     if dots is None:
         return
@@ -67,8 +66,7 @@ def _draw_markers(context, template):
         dot.draw(drawing.shader("FLAT_COLOR"))
 
 
-def _draw_pairs(context, template):
-    slab = slice_view.slab(context.scene)
+def _draw_pairs(template, slab):
     ends = []
     for landmark in template.moulage.landmarks:
         if landmark.use and landmarks.is_whole(landmark):
@@ -119,9 +117,11 @@ def _draw_view():
     context = bpy.context
     template = properties.template_of(context)
     if template is not None:
+        # It asks for the scan's file.
+        slab = once.found("slab", context.scene.name, lambda: slice_view.slab(context.scene))
         if template.moulage.show_markers:
-            _draw_markers(context, template)
-        _draw_pairs(context, template)
+            _draw_markers(context, template, slab)
+        _draw_pairs(template, slab)
     if context.scene.moulage.show_contour:
         _draw_contour(context)
 

@@ -28,11 +28,11 @@ def _outcome(scene, run, found):
     count = "1 pair still overlaps" if len(left) == 1 else f"{len(left)} pairs still overlap"
     lines = [f"{_pair(names, p)}: {_depth(scene, p, 1)}; before, {_depth(scene, p, 0)}." for p in left]
     stopped = summary["ending"] == "cancelled"
-    way_out = (
+    advice = (
         "Stopped: the shapes with the least overlap so far are kept." if stopped
         else "Allow more rings, or look whether the shapes contradict each other."
     )
-    return [f"{count}.", *lines, way_out]
+    return [f"{count}.", *lines, advice]
 
 
 def _is_left(pair, when):

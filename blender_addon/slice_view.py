@@ -50,8 +50,9 @@ def enter(context, view):
     empty = scan.slices(scene)[view]
     empty.hide_viewport = False
     scene.moulage.looking_at = view
+    kept = {empty, *_landmarks_near(context)}
     for ob in context.view_layer.objects:
-        if ob != empty and ob.visible_get() and not _is_near(context, ob):
+        if ob not in kept and ob.visible_get():
             ob[_HIDDEN] = ob.select_get()
             views.show(context, [ob], False)
     context.view_layer.objects.active = empty
@@ -67,9 +68,10 @@ def leave(context):
             del ob[_HIDDEN]
 
 
-def _is_near(context, ob):
+def _landmarks_near(context):
+    """The empties on the person that lie near the slice."""
     template, near = properties.template_of(context), slab(context.scene)
-    if template is None or near is None or ob.type != "EMPTY":
-        return False
-    targets = {landmark.target for landmark in template.moulage.landmarks}
-    return ob in targets and bool(near.holds(landmarks.position(ob)[None])[0])
+    if template is None or near is None:
+        return []
+    empties = [landmark.target for landmark in template.moulage.landmarks if landmark.target is not None]
+    return [empty for empty in empties if near.holds(landmarks.position(empty)[None])[0]]
