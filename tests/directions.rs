@@ -1,14 +1,15 @@
-//! The ways to one Gauss-Newton direction agree: dual, Woodbury ([W]), dense Hessian.
+//! The ways to one Gauss-Newton direction agree: dual, Woodbury ([W]), dense Hessian. Samples about it have
+//! the covariance that the dense matrices have.
 #![allow(clippy::unwrap_used)]
 
 use moulage::fem::{
     Body, MaterialPoint, PlasticState, Screening, Sensitivity, Spring, StrainSmoothness,
-    StrainSpace,
+    StrainSpace, rigid_modes,
 };
 use moulage::material::StableNeoHookean;
 use moulage::math::{Sym3, Vec3};
 use moulage::mesh::TetMesh;
-use moulage::reshape::{Linearization, NormalEquations, Rows};
+use moulage::reshape::{Linearization, NormalEquations, Posterior, Rows};
 use moulage::solve::Factor;
 use nalgebra::{DMatrix, DVector};
 
@@ -99,6 +100,63 @@ impl Setup {
         work(&Linearization::new(&self.body, &stiffness, &sensitivity, &self.x))
     }
 
+    /// The strain that is 1 in one number and 0 in all others.
+    fn unit(&self, k: usize) -> Vec<Sym3> {
+        let mut e = vec![Sym3::zeros(); self.s.len()];
+        e[k / 6][k % 6] = 1.0;
+        e
+    }
+
+    /// The covariance of all vertices' coordinates, given the rows: all matrices assembled, the strains
+    /// that the prior leaves free and rigid motions with a prior deviation of 1.
+    fn dense_covariance(
+        &self,
+        at: &Linearization<'_, StableNeoHookean>,
+        prior: &StrainSmoothness,
+    ) -> DMatrix<f64> {
+        let (n, coordinates) = (6 * self.s.len(), 3 * self.x.len());
+        let flat = |field: &[Vec3]| {
+            DVector::from_iterator(coordinates, field.iter().flat_map(|v| [v.x, v.y, v.z]))
+        };
+        let (mut j, mut r) = (DMatrix::zeros(coordinates, n), DMatrix::zeros(n, n));
+        for k in 0..n {
+            j.set_column(k, &flat(&at.shape_change(&self.unit(k))));
+            for (c, column) in prior.apply(&self.unit(k)).iter().enumerate() {
+                r.view_mut((6 * c, k), (6, 1)).copy_from(column);
+            }
+        }
+        let largest = r.diagonal().max();
+        let mut strains = r.pseudo_inverse(1e-9 * largest).unwrap();
+        if prior.is_singular() {
+            for (row, column) in
+                (0..n).flat_map(|row| (row % 6..n).step_by(6).map(move |c| (row, c)))
+            {
+                strains[(row, column)] += 1.0;
+            }
+        }
+        let mut before = &j * strains * j.transpose();
+        if self.body.is_free() {
+            for k in 0..6 {
+                let mode: Vec<Vec3> =
+                    self.x.iter().map(|x| rigid_modes(x, &at.center)[k]).collect();
+                let mode = flat(&mode);
+                before += &mode * mode.transpose();
+            }
+        }
+        let mut a = DMatrix::zeros(self.rows.rows.len(), coordinates);
+        for (i, row) in self.rows.rows.iter().enumerate() {
+            for &(v, g) in self.rows.gradient(row) {
+                for axis in 0..3 {
+                    a[(i, 3 * v as usize + axis)] += g[axis] * row.weight.sqrt();
+                }
+            }
+        }
+        let seen = &a * &before * a.transpose();
+        let capacity = DMatrix::identity(seen.nrows(), seen.ncols()) + seen;
+        let gain = capacity.cholesky().unwrap().solve(&(&a * &before));
+        &before - (&a * &before).transpose() * gain
+    }
+
     /// The minimiser by the assembled Hessian (1 + damping) R + Z^T Z.
     fn dense(
         &self,
@@ -107,15 +165,10 @@ impl Setup {
         damping: f64,
     ) -> Vec<Sym3> {
         let n = 6 * self.s.len();
-        let unit = |k: usize| {
-            let mut e = vec![Sym3::zeros(); self.s.len()];
-            e[k / 6][k % 6] = 1.0;
-            e
-        };
         let (mut z, mut r) = (DMatrix::zeros(self.rows.rows.len(), n), DMatrix::zeros(n, n));
         for k in 0..n {
-            z.set_column(k, &DVector::from_vec(self.rows.measure(&at.shape_change(&unit(k)))));
-            for (c, column) in prior.apply(&unit(k)).iter().enumerate() {
+            z.set_column(k, &DVector::from_vec(self.rows.measure(&at.shape_change(&self.unit(k)))));
+            for (c, column) in prior.apply(&self.unit(k)).iter().enumerate() {
                 r.view_mut((6 * c, k), (6, 1)).copy_from(column);
             }
         }
@@ -211,4 +264,33 @@ fn published_woodbury_equals_dual_and_dense_hessian() {
         assert!(relative(&dual.ds, &dense) < 1e-8);
         assert!(relative(&woodbury.ds, &dense) < 1e-6);
     });
+}
+
+#[test]
+fn samples_have_the_covariance_of_the_dense_posterior() {
+    const SAMPLES: usize = 3000;
+    for held in [&[0, 2, 6, 8, 13][..], &[]] {
+        let setup = Setup::held_at(StrainSpace::NODAL_LOGARITHM, held);
+        for screening in [None, Some(SCREENING)] {
+            let prior = setup.smoothness(screening);
+            setup.with(|at| {
+                let dense = setup.dense_covariance(at, &prior);
+                let posterior = Posterior::new(at, &setup.rows, &prior).unwrap();
+                let samples = posterior.samples(0..SAMPLES);
+                let coordinate = |field: &[Vec3], k: usize| field[k / 3][k % 3];
+                let mut found = DMatrix::zeros(dense.nrows(), dense.ncols());
+                for field in &samples {
+                    let x = DVector::from_fn(dense.nrows(), |k, _| coordinate(field, k));
+                    found += &x * x.transpose() / SAMPLES as f64;
+                }
+                let error = (&found - &dense).norm() / dense.norm();
+                assert!(error < 0.1, "{held:?}, {screening:?}: {error}");
+                // A variance is known to a share of sqrt(2 / samples): five times that for the worst.
+                for k in 0..dense.nrows() {
+                    let ratio = found[(k, k)] / dense[(k, k)];
+                    assert!((ratio - 1.0).abs() < 0.13, "{held:?}, {screening:?}: {k} {ratio}");
+                }
+            });
+        }
+    }
 }

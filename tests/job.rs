@@ -127,6 +127,37 @@ fn a_job_writes_all_it_promises_and_keeps_what_is_not_shape() {
 }
 
 #[test]
+fn a_job_says_how_sure_its_result_is() {
+    let folder = Folder::with_ball("sure");
+    let job = folder.job("report = 'report'\nsamples = 8\nsamples_out = 'shapes'\n");
+    let report = run_reshape(&job, &Run::new()).unwrap().report;
+    let (volume, area) = (report.volume.unwrap(), report.area);
+    // The person's half axes are 15, 8 and 10.
+    let truth = 4.0 / 3.0 * std::f64::consts::PI * 15.0 * 8.0 * 10.0;
+    assert!((volume.value / truth - 1.0).abs() < 0.1, "{} {truth}", volume.value);
+    assert!((1e-4..0.1).contains(&(volume.sd.unwrap() / volume.value)), "{volume:?}");
+    assert!((1e-4..0.1).contains(&(area.sd.unwrap() / area.value)), "{area:?}");
+    let deviations = report.deviations.unwrap();
+    assert_eq!(deviations.samples, 8);
+    assert!((0.001..0.5).contains(&deviations.sd_normal.mean), "{deviations:?}");
+    let header = fs::read(folder.0.join("report/result.ply")).unwrap();
+    assert!(String::from_utf8_lossy(&header).contains("property float sd_normal"));
+    assert!(folder.read("report/report.html").contains("How sure it is"));
+    let best = io::read_surface(&folder.0.join("out.obj")).unwrap().mesh().unwrap();
+    for i in 1..=8 {
+        let shape = folder.0.join(format!("shapes/shape_{i:03}.obj"));
+        let shape = io::read_surface(&shape).unwrap().mesh().unwrap();
+        assert_eq!(shape.triangles, best.triangles);
+        let change = shape.points.iter().zip(&best.points).map(|(a, b)| (a - b).norm());
+        assert!(change.sum::<f64>() > 0.0);
+    }
+    assert!(!folder.0.join("shapes/shape_009.obj").exists());
+
+    let report = run_reshape(&folder.job("samples = 0\n"), &Run::new()).unwrap().report;
+    assert!(report.deviations.is_none() && report.area.sd.is_none());
+}
+
+#[test]
 fn the_noise_of_a_marker_in_the_file_is_heeded() {
     let folder = Folder::with_ball("noise");
     // The same markers once more, a little farther out, with and without their noise.
@@ -242,6 +273,8 @@ fn bad_input_is_one_sentence_and_nothing_is_written() {
         ("carry = 'missing.obj'\n", "missing.obj: No such file"),
         ("tets_out = 'a.vtk'\n", "--tets-out"),
         ("report = 'ball.obj/report'\n", "cannot write"),
+        ("samples = 1\n", "1 plausible shapes do not tell how far shapes differ"),
+        ("samples = 0\nsamples_out = 'shapes'\n", "none are asked for"),
         ("max_iterations = 5\nthreads = 1\npoisson = 0.5\n", "Poisson's ratio"),
     ] {
         let message = fails(flag);

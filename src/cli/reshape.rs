@@ -39,11 +39,14 @@ pub fn run(arguments: Arguments) -> Result<ExitCode> {
     }))
 }
 
+fn spread(s: &Spread) -> String {
+    format!("mean {:.4}, largest {:.4}", s.mean, s.max)
+}
+
 fn print(report: &Report) {
     for warning in &report.warnings {
         eprintln!("note: {warning}");
     }
-    let spread = |s: &Spread| format!("mean {:.4}, largest {:.4}", s.mean, s.max);
     println!(
         "{} markers: {} before, {} after",
         report.markers,
@@ -78,14 +81,7 @@ fn print(report: &Report) {
             println!("  suspect: '{}' is still {:.4} off", pair.label, pair.after);
         }
     }
-    for remesh in &report.remeshes {
-        println!("remeshed {}", remesh.sentence());
-    }
-    let [low, high] = report.stretch_range;
-    println!(
-        "{} tets by {}: {} inverted, stretches {low:.3} to {high:.3}",
-        report.tets, report.tets_made_by, report.inverted_tets
-    );
+    print_shape(report);
     let seconds: f64 = report.stages.iter().map(|stage| stage.seconds).sum();
     println!("{} iterations, {seconds:.1} s", report.iteration_count);
     for path in &report.written {
@@ -99,5 +95,28 @@ fn print(report: &Report) {
         Ending::Interrupted => {
             eprintln!("interrupted: what is written is the best shape so far");
         }
+    }
+}
+
+/// The tets, and how large and how sure the result is.
+fn print_shape(report: &Report) {
+    for remesh in &report.remeshes {
+        println!("remeshed {}", remesh.sentence());
+    }
+    let [low, high] = report.stretch_range;
+    println!(
+        "{} tets by {}: {} inverted, stretches {low:.3} to {high:.3}",
+        report.tets, report.tets_made_by, report.inverted_tets
+    );
+    if let Some(volume) = &report.volume {
+        println!("volume {volume}");
+    }
+    println!("surface area {}", report.area);
+    if let Some(deviations) = &report.deviations {
+        println!(
+            "standard deviation across the surface: {} ({} plausible shapes)",
+            spread(&deviations.sd_normal),
+            deviations.samples
+        );
     }
 }

@@ -109,6 +109,22 @@ impl<T: Real> Sensitivity<T> {
         });
     }
 
+    /// G Z for a row-major Z of 6 rows per carrier and `width` columns; 3 rows per vertex.
+    pub fn multiply_rows(&self, z: &[T], width: usize) -> Vec<T> {
+        let mut out = vec![T::from_f64(0.0); 3 * self.vertices * width];
+        for (carrier, z) in z.chunks_exact(6 * width).enumerate() {
+            for k in self.row_ptr[carrier]..self.row_ptr[carrier + 1] {
+                let y = &mut out[3 * self.vertex[k] as usize * width..][..3 * width];
+                for (z, g) in z.chunks_exact(width).zip(self.blocks[k].chunks_exact(3)) {
+                    for (y, &g) in y.chunks_exact_mut(width).zip(g) {
+                        y.iter_mut().zip(z).for_each(|(y, &z)| *y += g * z);
+                    }
+                }
+            }
+        }
+        out
+    }
+
     /// Columns first .. first + N of one carrier's six rows.
     // Only inlined code is compiled for the machine's instruction set.
     #[allow(clippy::inline_always)]

@@ -165,6 +165,20 @@ impl StrainSmoothness {
         }
     }
 
+    /// Subtracts from each column the multiple of the mass that makes its sum zero.
+    fn remove_mass<T: Real>(&self, b: &mut [T], width: usize) {
+        let total: f64 = self.mass.iter().sum();
+        let mut sums = vec![0.0; width];
+        for row in b.chunks_exact(width) {
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += value.to_f64());
+        }
+        for (row, mass) in b.chunks_exact_mut(width).zip(&self.mass) {
+            for (value, sum) in row.iter_mut().zip(&sums) {
+                *value -= T::from_f64(sum * mass / total);
+            }
+        }
+    }
+
     /// B times component p of the field.
     fn component(&self, u: &[Sym3], p: usize) -> Vec<f64> {
         let column: Vec<f64> = u.iter().map(|s| s[p]).collect();
@@ -184,6 +198,26 @@ impl<T: Real> HalfInverse<'_, T> {
     pub fn apply(&self, z: &mut [T], width: usize) {
         let Self { smoothness, factor } = self;
         smoothness.between_constants(z, 6 * width, |z| factor.solve_rows(z, 6 * width));
+        self.scale(z, width);
+    }
+
+    /// (weight multiplicity)^-1/2 B^+ M^1/2 z, in place: of independent numbers of variance 1, a strain of
+    /// covariance R^+ but for the mean's part.
+    pub fn transpose_apply(&self, z: &mut [T], width: usize) {
+        let Self { smoothness, factor } = self;
+        self.scale(z, width);
+        if smoothness.is_singular() {
+            smoothness.remove_mass(z, 6 * width);
+        }
+        factor.solve_rows(z, 6 * width);
+        if smoothness.is_singular() {
+            smoothness.remove_constant(z, 6 * width, |_| 1.0);
+        }
+    }
+
+    /// (weight multiplicity)^-1/2 M^1/2 z, in place.
+    fn scale(&self, z: &mut [T], width: usize) {
+        let smoothness = self.smoothness;
         for (rows, mass) in z.chunks_exact_mut(6 * width).zip(&smoothness.mass) {
             for (row, multiplicity) in rows.chunks_exact_mut(width).zip(MULTIPLICITY) {
                 let scale = (mass / (smoothness.weight * multiplicity)).sqrt();

@@ -51,6 +51,11 @@ impl StrainMean {
         Sym3::from_fn(|p, _| self.variance * total[p] / MULTIPLICITY[p])
     }
 
+    /// Prior standard deviation of each component.
+    pub fn sigma(&self) -> Sym3 {
+        Sym3::from_fn(|p, _| (self.variance / MULTIPLICITY[p]).sqrt())
+    }
+
     /// Adds Z (sigma^2 1 1^T) Z^T to the lower triangle of `gram`; `sums` are Z 1, by row of Z.
     pub fn add_to_gram(&self, gram: &mut Mat<f64>, sums: &[Vector6<f64>]) {
         let scale = Vector6::from_fn(|p, _| self.variance / MULTIPLICITY[p]);

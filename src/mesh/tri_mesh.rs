@@ -56,6 +56,15 @@ impl TriMesh {
         six_volumes / 6.0
     }
 
+    /// Sum of the areas of all triangles.
+    pub fn area(&self) -> f64 {
+        let of_triangle = |t| {
+            let [a, b, c] = self.corners(t);
+            (b - a).cross(&(c - a)).norm() / 2.0
+        };
+        (0..self.triangles.len()).map(of_triangle).sum()
+    }
+
     /// Area-weighted vertex normals, unit length (zero where no face has an area).
     pub fn vertex_normals(&self) -> Vec<Vec3> {
         let areas = area_vectors(&self.points, &self.triangles);

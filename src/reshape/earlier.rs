@@ -29,6 +29,13 @@ pub struct Earlier {
     pub(super) attachment_gains: Vec<f64>,
 }
 
+impl Earlier {
+    /// The smoothness of the strain where the run ended.
+    pub(super) fn strain_energy(&self) -> f64 {
+        self.smoothness.energy(&self.state.s)
+    }
+}
+
 impl fmt::Debug for Earlier {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Earlier").field("options", &self.options).finish_non_exhaustive()

@@ -113,6 +113,7 @@ fn next_leg(
         surface: so_far.problem.surface.points.clone(),
         rest: so_far.problem.tets.clone(),
         now: so_far.tet_points.clone(),
+        strain_energy: so_far.earlier.strain_energy(),
     };
     let legs = [so_far.legs.clone(), vec![over]].concat();
     let warnings = filled.warnings.clone();

@@ -86,7 +86,7 @@ impl<'a, M: IsotropicDensity> Linearization<'a, M> {
     /// H with H^T H = Z R^+ Z^T, but for the mean's part, in blocks of columns, one column per row of data,
     /// and the sums of
     /// Z^T over all carriers: Z times each constant strain. In the precision of `stiffness`.
-    fn half_inverse<'m, T: Real>(
+    pub(super) fn half_inverse<'m, T: Real>(
         &self,
         stiffness: &'m RoundedFactor<T>,
         rows: &Rows,

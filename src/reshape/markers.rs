@@ -69,11 +69,12 @@ impl Markers {
         let gap = hit.position - self.positions[marker];
         let (t1, t2) = tangents(&normal);
         let far = hit.distance > OUTLIER * self.sigma * self.noise[marker];
-        let holding = weight * TANGENTIAL * if far { 1.0 } else { HOLDING as f64 };
-        let directions = [(normal, weight), (t1, holding), (t2, holding)];
         let point = place.surface.point(hit.triangle, &hit.barycentric);
-        let count = if holds || far { 3 } else { 1 };
-        rows.add(&point, directions.into_iter().take(count).map(|(d, c)| (d, d.dot(&gap), c)));
+        rows.add(&point, [(normal, normal.dot(&gap), weight)]);
+        if holds || far {
+            let holding = weight * TANGENTIAL * if far { 1.0 } else { HOLDING as f64 };
+            rows.hold(&point, [t1, t2].map(|t| (t, t.dot(&gap), holding)));
+        }
     }
 }
 

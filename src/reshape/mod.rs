@@ -24,6 +24,7 @@ mod options;
 mod paired_points;
 mod pairs;
 mod pins;
+mod posterior;
 mod problem;
 mod refine;
 mod reshaped;
@@ -38,6 +39,7 @@ mod term;
 #[cfg(test)]
 mod test_problems;
 mod trial;
+mod uncertainty;
 mod woodbury;
 
 pub use findings::{Concern, Finding, Remedy, Severity};
@@ -47,8 +49,10 @@ pub use legs::{reshape, reshape_again};
 pub use linearization::Linearization;
 pub use options::{Options, Tolerances};
 pub use pairs::{Pair, attach_to_bone, attach_vertices, keep_gaps};
+pub use posterior::Posterior;
 pub use problem::{Landmark, Marker, Problem, TemplatePoint};
 pub use refine::{Refinement, find_borders};
 pub use reshaped::Reshaped;
 pub use rows::{Row, Rows};
 pub use summary::{IterationRecord, Remesh, Shapeliness, Stop, Summary};
+pub use uncertainty::{Uncertainty, uncertainty};

@@ -43,6 +43,8 @@ pub(super) struct Leg {
     pub rest: TetMesh,
     /// Their vertices at its end.
     pub now: Vec<Vec3>,
+    /// The smoothness of its strain.
+    pub strain_energy: f64,
 }
 
 impl Reshaped {
@@ -70,6 +72,12 @@ impl Reshaped {
     pub fn gradients(&self) -> Vec<Mat3> {
         let last = deformation_gradients(&self.problem.tets, &self.tet_points);
         self.with_earlier_deformation(last)
+    }
+
+    /// The smoothness of the strains of all legs.
+    pub(super) fn strain_energy(&self) -> f64 {
+        let over: f64 = self.legs.iter().map(|leg| leg.strain_energy).sum();
+        over + self.earlier.strain_energy()
     }
 
     /// Gradients of the last leg, after those of the legs before it.

@@ -23,6 +23,8 @@ pub struct Row {
     pub residual: f64,
     /// c = 1 / sigma^2.
     pub weight: f64,
+    /// Whether it only holds steps back, and says nothing of the person.
+    holds: bool,
 }
 
 impl Rows {
@@ -34,6 +36,26 @@ impl Rows {
         }
     }
 
+    /// The same of rows that only hold steps back.
+    pub fn hold(
+        &mut self,
+        point: &MaterialPoint,
+        rows: impl IntoIterator<Item = (Vec3, f64, f64)>,
+    ) {
+        let first = self.rows.len();
+        self.add(point, rows);
+        for row in &mut self.rows[first..] {
+            row.holds = true;
+        }
+    }
+
+    /// Those that say something of the person.
+    #[must_use]
+    pub fn evidence(&self) -> Self {
+        let rows = self.rows.iter().filter(|row| !row.holds && row.weight > 0.0);
+        Self { rows: rows.cloned().collect(), gradients: self.gradients.clone() }
+    }
+
     /// Adds a row by its gradient.
     pub fn push(
         &mut self,
@@ -43,7 +65,8 @@ impl Rows {
     ) {
         let first = self.gradients.len();
         self.gradients.extend(gradient);
-        self.rows.push(Row { gradient: first..self.gradients.len(), residual, weight });
+        let gradient = first..self.gradients.len();
+        self.rows.push(Row { gradient, residual, weight, holds: false });
     }
 
     /// The vertices that move a row's residual, and how.

@@ -47,6 +47,21 @@ impl<'m, T: Real> ColumnBlocks<'m, T> {
         Self { blocks, rows, columns, memory }
     }
 
+    /// Adds a row below.
+    pub fn push_row(&mut self, row: impl Iterator<Item = f64>) {
+        let mut row = row.map(T::from_f64);
+        let columns = self.columns;
+        for (j, block) in self.blocks.iter_mut().enumerate() {
+            block.extend(row.by_ref().take(Self::WIDTH.min(columns - j * Self::WIDTH)));
+        }
+        self.rows += 1;
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// Number of columns.
     pub fn columns(&self) -> usize {
         self.columns
@@ -108,6 +123,35 @@ impl<'m, T: Real> ColumnBlocks<'m, T> {
             }
         }
         gram
+    }
+
+    /// out := out - A b for a row-major block of `b.ncols()` columns.
+    pub fn subtract_product(&self, b: MatRef<f64>, out: &mut [T]) {
+        let minus_one = T::from_f64(-1.0);
+        for (j, block) in self.blocks.iter().enumerate() {
+            let width = self.width(j);
+            let rounded =
+                Mat::from_fn(width, b.ncols(), |i, c| T::from_f64(b[(j * Self::WIDTH + i, c)]));
+            let block = MatRef::from_row_major_slice(block, self.rows, width);
+            let out = MatMut::from_row_major_slice_mut(&mut *out, self.rows, b.ncols());
+            matmul(out, Accum::Add, block, rounded, minus_one, Par::Seq);
+        }
+    }
+
+    /// A^T b for a row-major block of `width` columns.
+    pub fn transpose_multiply(&self, b: &[T], width: usize) -> Mat<f64> {
+        let b = MatRef::from_row_major_slice(b, self.rows, width);
+        let mut product = Mat::zeros(self.columns, width);
+        for (j, block) in self.blocks.iter().enumerate() {
+            let block = MatRef::from_row_major_slice(block, self.rows, self.width(j));
+            let mut part = Mat::<T>::zeros(block.ncols(), width);
+            let one = T::from_f64(1.0);
+            matmul(part.as_mut(), Accum::Replace, block.transpose(), b, one, Par::Seq);
+            let first = j * Self::WIDTH;
+            let mut rows = product.as_mut().subrows_mut(first, part.nrows());
+            zip!(&mut rows, &part).for_each(|unzip!(to, from)| *to = from.to_f64());
+        }
+        product
     }
 
     fn width(&self, block: usize) -> usize {

@@ -30,7 +30,7 @@ const MAX_SIZES: usize = 6;
 
 /// Builds the lattice with about `tet_count` tets.
 pub fn build(surface: &TriMesh, tet_count: usize, run: &Run) -> Result<Tetrahedralization> {
-    if area(surface) == 0.0 {
+    if surface.area() == 0.0 {
         return Err(Error::invalid(
             "the surface has no triangle with an area, so there is nothing to fill with tets",
         ));
@@ -74,7 +74,7 @@ fn select_about(
 
 /// Cell edge for which volume and surface together should give `wish` tets.
 fn first_guess(surface: &TriMesh, wish: f64) -> f64 {
-    let (area, volume) = (area(surface), surface.volume().abs());
+    let (area, volume) = (surface.area(), surface.volume().abs());
     // Outside the surface, the cut tets fill a layer of about a quarter of the cell edge.
     let count = |edge: f64| (volume + 0.25 * edge * area) / (TET_VOLUME * edge.powi(3));
     let (mut low, mut high) = (1e-6 * surface.diagonal(), 10.0 * surface.diagonal());
@@ -83,14 +83,6 @@ fn first_guess(surface: &TriMesh, wish: f64) -> f64 {
         if count(middle) > wish { low = middle } else { high = middle }
     }
     low
-}
-
-fn area(surface: &TriMesh) -> f64 {
-    let of_triangle = |t| {
-        let [a, b, c] = surface.corners(t);
-        (b - a).cross(&(c - a)).norm() / 2.0
-    };
-    (0..surface.triangles.len()).map(of_triangle).sum()
 }
 
 /// Tets of one lattice: cut ones that hold anything, inside ones, joined to as few pieces as the

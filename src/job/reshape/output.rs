@@ -10,12 +10,12 @@ use crate::fem::principal_stretches;
 use crate::io::{DataArray, check_writable, stem, write_ply, write_vtu};
 use crate::measure::distance_to_markers;
 use crate::mesh::TriMesh;
-use crate::reshape::Reshaped;
+use crate::reshape::{Reshaped, Uncertainty};
 
 /// Refuses outputs that would come to nothing, before anything is computed.
 pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
-    if job.out.is_none() && job.report.is_none() && job.tets_out.is_none() && job.ply_out.is_none()
-    {
+    let places = [&job.out, &job.report, &job.tets_out, &job.ply_out, &job.samples_out];
+    if places.into_iter().all(Option::is_none) {
         return Err(Error::invalid(
             "no output is named; give the result's file with -o or as out in the job",
         ));
@@ -39,6 +39,14 @@ pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
     }
     if let Some(folder) = &job.report {
         check_writable(&folder.join("report.json"))?;
+    }
+    if let Some(folder) = &job.samples_out {
+        if job.samples == Some(0) {
+            return Err(Error::invalid(
+                "plausible shapes are to be written, but none are asked for; leave out either --samples 0 or --samples-out",
+            ));
+        }
+        check_writable(&folder.join("shape"))?;
     }
     if job.carry.as_ref().is_some_and(|list| !list.is_empty()) && job.out.is_none() {
         return Err(Error::invalid(
@@ -70,6 +78,10 @@ pub(crate) fn write(job: &ReshapeJob, inputs: &Inputs, outcome: &Outcome) -> Res
         write_deformed_tets(path, reshaped)?;
         written.push(path.clone());
     }
+    if let (Some(folder), Some(uncertainty)) = (&job.samples_out, &outcome.uncertainty) {
+        write_shapes(folder, job, inputs, uncertainty)?;
+        written.push(folder.clone());
+    }
     let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
     for path in job.ply_out.iter().chain(&in_report) {
         write_stretch(path, inputs, outcome)?;
@@ -89,6 +101,23 @@ fn write_carried(out: &Path, inputs: &Inputs, reshaped: &Reshaped) -> Result<Vec
         written.push(carried);
     }
     Ok(written)
+}
+
+/// Plausible shapes, in the format of the result.
+fn write_shapes(
+    folder: &Path,
+    job: &ReshapeJob,
+    inputs: &Inputs,
+    uncertainty: &Uncertainty,
+) -> Result<()> {
+    let out = job.out.as_ref().and_then(|out| out.extension());
+    let extension = out.map_or_else(|| "obj".into(), |extension| extension.to_string_lossy());
+    let shapes = (0..uncertainty.count()).map_while(|number| uncertainty.shape(number));
+    for (number, points) in (1..).zip(shapes) {
+        let path = folder.join(format!("shape_{number:03}.{extension}"));
+        inputs.template.write_with_points(&path, &points)?;
+    }
+    Ok(())
 }
 
 /// The deformed tets; plastic strain and its principal stretches per tet (\[W\] Fig. 1 d, e).
@@ -123,9 +152,10 @@ fn write_stretch(path: &Path, inputs: &Inputs, outcome: &Outcome) -> Result<()> 
     };
     let distance = distance_to_markers(&mesh.points, &outcome.markers);
     let (largest, smallest) = &outcome.stretch;
-    write_ply(
-        path,
-        &mesh,
-        &[("stretch", largest), ("stretch_min", smallest), ("marker_distance", &distance)],
-    )
+    let mut scalars: Vec<(&str, &[f64])> =
+        vec![("stretch", largest), ("stretch_min", smallest), ("marker_distance", &distance)];
+    if let Some(uncertainty) = &outcome.uncertainty {
+        scalars.extend([("sd_normal", &uncertainty.sd_normal[..]), ("sd", &uncertainty.sd)]);
+    }
+    write_ply(path, &mesh, &scalars)
 }

@@ -83,6 +83,21 @@ fn figures(report: &Report) -> String {
         ("Inverted tets", report.inverted_tets.to_string()),
         ("Principal stretches", format!("{low:.3} to {high:.3}")),
         ("Volume, result / template", format!("{:.4}", report.volume_ratio)),
+    ]);
+    rows.extend(report.volume.iter().map(|volume| ("Volume", volume.to_string())));
+    rows.push(("Surface area", report.area.to_string()));
+    if let Some(deviations) = &report.deviations {
+        let two = |s: &Spread| format!("{} / {}", number(s.mean), number(s.max));
+        let (across, any) = (two(&deviations.sd_normal), two(&deviations.sd));
+        rows.push((
+            "Standard deviation of vertices, mean / largest",
+            format!(
+                "{across} across the surface, {any} in all directions, by {} plausible shapes",
+                deviations.samples
+            ),
+        ));
+    }
+    rows.extend([
         ("Iterations", report.iteration_count.to_string()),
         ("Seconds", stages::sentence(&report.stages)),
     ]);
@@ -129,11 +144,36 @@ fn pictures(report: &Report, shapes: &Shapes) -> String {
         markers.map(|(&position, &d)| Dot { position, colour: colour(d) }).collect()
     };
     let stretch: Vec<Colour> = shapes.stretch.iter().map(|&s| stretch_colour(s)).collect();
-    let rows = [
-        (shapes.before, &skin, dots(&report.marker_distances.before), "Template and markers"),
-        (shapes.after, &skin, dots(&report.marker_distances.after), "Result and markers"),
-        (shapes.after, &stretch, Vec::new(), "Result, largest stretch: blue 0.5, grey 1, red 2"),
+    let mut rows = vec![
+        (
+            shapes.before,
+            &skin,
+            dots(&report.marker_distances.before),
+            "Template and markers".to_owned(),
+        ),
+        (
+            shapes.after,
+            &skin,
+            dots(&report.marker_distances.after),
+            "Result and markers".to_owned(),
+        ),
+        (
+            shapes.after,
+            &stretch,
+            Vec::new(),
+            "Result, largest stretch: blue 0.5, grey 1, red 2".to_owned(),
+        ),
     ];
+    let limit = report.deviations.as_ref().map_or(0.0, |deviations| deviations.sd_normal.p95);
+    let doubt: Vec<Colour> =
+        shapes.sd_normal.into_iter().flatten().map(|sd| doubt_colour(sd / limit)).collect();
+    if shapes.sd_normal.is_some() {
+        let caption = format!(
+            "How sure it is, standard deviation across the surface: white 0, purple {} or more",
+            number(limit)
+        );
+        rows.push((shapes.after, &doubt, dots(&report.marker_distances.after), caption));
+    }
     let mut text = String::from("<h2>Shape</h2>\n");
     for (points, colours, dots, caption) in rows {
         let mesh = TriMesh { points: points.to_vec(), triangles: shapes.triangles.to_vec() };
@@ -172,6 +212,13 @@ fn stretch_colour(stretch: f64) -> Colour {
     let along = stretch.max(f64::MIN_POSITIVE).log2().clamp(-1.0, 1.0);
     let end = if along > 0.0 { [0.85, 0.15, 0.10] } else { [0.15, 0.30, 0.85] };
     [0, 1, 2].map(|k| 0.82 + along.abs() * (end[k] - 0.82))
+}
+
+/// White at 0, purple at 1 and beyond.
+fn doubt_colour(share: f64) -> Colour {
+    let along = share.clamp(0.0, 1.0);
+    let [near, far] = [[0.96, 0.96, 0.93], [0.42, 0.10, 0.55]];
+    [0, 1, 2].map(|k| near[k] + along * (far[k] - near[k]))
 }
 
 fn pairs(title: &str, list: &[PairLine]) -> String {

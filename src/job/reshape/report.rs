@@ -1,5 +1,6 @@
 //! What a run was given, did and reached.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,37 @@ pub struct PairLine {
     pub after: f64,
     /// Far off although the rest fits: perhaps put at the wrong place.
     pub suspect: bool,
+}
+
+/// A number and how sure it is.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Estimate {
+    /// Of the result.
+    pub value: f64,
+    /// Its standard deviation, where plausible shapes were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sd: Option<f64>,
+}
+
+/// Five digits, the deviation to the same place.
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = if self.value == 0.0 { 0.0 } else { self.value.abs().log10().floor() };
+        let decimals = (4.0 - digits).clamp(0.0, 15.0) as usize;
+        write!(f, "{:.decimals$}", self.value)?;
+        self.sd.map_or(Ok(()), |sd| write!(f, " (sd {sd:.decimals$})"))
+    }
+}
+
+/// How far plausible shapes differ from the result.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Deviations {
+    /// Plausible shapes.
+    pub samples: usize,
+    /// Standard deviations of the vertices across the surface.
+    pub sd_normal: Spread,
+    /// In all directions.
+    pub sd: Spread,
 }
 
 /// Everything about one run. Lengths in the template's unit.
@@ -92,6 +124,14 @@ pub struct Report {
     pub stretch_range: [f64; 2],
     /// Ratio of the result's volume to the template's.
     pub volume_ratio: f64,
+    /// The result's volume, if its surface is closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<Estimate>,
+    /// Its surface area.
+    pub area: Estimate,
+    /// How sure its vertices are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviations: Option<Deviations>,
     /// Each iteration.
     pub iterations: Vec<IterationRecord>,
     /// Where new tets were made.
@@ -120,6 +160,22 @@ pub struct Shapes<'a> {
     pub after: &'a [Vec3],
     /// Largest principal stretch of each vertex.
     pub stretch: &'a [f64],
+    /// Standard deviation of each vertex across the surface.
+    pub sd_normal: Option<&'a [f64]>,
     /// The markers.
     pub markers: &'a [Vec3],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_has_five_digits_in_any_unit() {
+        let written = |value: f64, sd| Estimate { value, sd }.to_string();
+        assert_eq!(written(79_819.49, Some(42_360.163)), "79819 (sd 42360)");
+        assert_eq!(written(7.981_949e-5, Some(4.2e-6)), "0.000079819 (sd 0.000004200)");
+        assert_eq!(written(1_234_567.8, None), "1234568");
+        assert_eq!(written(0.0, None), "0.0000");
+    }
 }

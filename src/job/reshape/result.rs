@@ -1,14 +1,14 @@
 //! What came out of the solver, measured.
 
 use super::inputs::Inputs;
-use super::report::{Change, Ending, PairLine, Report, Shapes};
+use super::report::{Change, Deviations, Ending, Estimate, PairLine, Report, Shapes};
 use crate::error::Result;
 use crate::fem::{principal_stretches, stretches_of};
 use crate::math::{Mat3, Vec3, median};
 use crate::measure::{Spread, marker_distances};
 use crate::mesh::quality::dihedral_angles;
-use crate::mesh::{TetMesh, TetQuality, TriMesh};
-use crate::reshape::{Options, Pair, Reshaped, Stop, Tolerances};
+use crate::mesh::{SurfaceCheck, TetMesh, TetQuality, TriMesh};
+use crate::reshape::{Options, Pair, Reshaped, Stop, Tolerances, Uncertainty};
 
 /// A pair farther off than so many tolerances, and than so many times the median, is suspect.
 const SUSPECT: f64 = 5.0;
@@ -26,18 +26,26 @@ pub struct Outcome {
     pub markers: Vec<Vec3>,
     /// Largest and smallest principal stretch per surface vertex.
     pub stretch: (Vec<f64>, Vec<f64>),
+    /// Plausible shapes, if there are any.
+    pub uncertainty: Option<Uncertainty>,
     tolerances: Tolerances,
 }
 
 impl Outcome {
     /// Measures what the outputs need.
-    pub fn new(inputs: &Inputs, options: &Options, reshaped: Reshaped) -> Self {
+    pub fn new(
+        inputs: &Inputs,
+        options: &Options,
+        reshaped: Reshaped,
+        uncertainty: Option<Uncertainty>,
+    ) -> Self {
         let problem = &reshaped.problem;
         let stretch = stretches_of(&reshaped.gradients(), &problem.tets, &problem.embedding);
         Self {
             markers: inputs.markers.iter().map(|m| m.position).collect(),
             tolerances: options.tolerances(&inputs.surface, 1.0),
             stretch,
+            uncertainty,
             reshaped,
         }
     }
@@ -87,6 +95,11 @@ impl Outcome {
             inverted_tets,
             stretch_range: stretch_range(&reshaped.gradients(), &inside),
             volume_ratio: moved.volume() / inputs.surface.volume(),
+            volume: SurfaceCheck::new(&moved)
+                .is_closed()
+                .then(|| self.estimate(&moved, TriMesh::volume)),
+            area: self.estimate(&moved, TriMesh::area),
+            deviations: self.uncertainty.as_ref().map(deviations),
             iterations: summary.iterations.clone(),
             remeshes: summary.remeshes.clone(),
             refinement: None,
@@ -103,14 +116,29 @@ impl Outcome {
             before: &inputs.surface.points,
             after: &self.reshaped.surface_points,
             stretch: &self.stretch.0,
+            sd_normal: self.uncertainty.as_ref().map(|u| &u.sd_normal[..]),
             markers: &self.markers,
         }
+    }
+
+    /// A number that the result has, and how far it differs among the plausible shapes.
+    fn estimate(&self, result: &TriMesh, measure: fn(&TriMesh) -> f64) -> Estimate {
+        let deviation = |uncertainty: &Uncertainty| uncertainty.deviation_of(measure);
+        Estimate { value: measure(result), sd: self.uncertainty.as_ref().map(deviation) }
     }
 
     fn distances(&self, inputs: &Inputs) -> Change<Vec<f64>> {
         let of =
             |points: &[Vec3]| marker_distances(points, &inputs.surface.triangles, &self.markers);
         Change { before: of(&inputs.surface.points), after: of(&self.reshaped.surface_points) }
+    }
+}
+
+fn deviations(uncertainty: &Uncertainty) -> Deviations {
+    Deviations {
+        samples: uncertainty.count(),
+        sd_normal: Spread::of(&uncertainty.sd_normal),
+        sd: Spread::of(&uncertainty.sd),
     }
 }
 

@@ -15,7 +15,10 @@ use crate::job::report::stages::Stages;
 use crate::math::Vec3;
 use crate::measure::{Spread, marker_distances};
 use crate::mesh::TriMesh;
-use crate::reshape::{Marker, Options, Pair, Problem, Refinement, find_borders, reshape};
+use crate::reshape::{
+    Marker, Options, Pair, Problem, Refinement, Reshaped, Uncertainty, find_borders, reshape,
+    uncertainty,
+};
 use crate::run::Run;
 use crate::tetrahedralize::Tetrahedralization;
 use crate::threads::on_threads;
@@ -45,6 +48,9 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
     }
     let person = Person::read(job.volume.as_ref(), job.label_map.as_ref(), job.label)?;
     output::check_places(job)?;
+    if samples(job) > 0 {
+        Uncertainty::check(samples(job))?;
+    }
     let align = job.align.unwrap_or_default().freedom();
     let suspicions = inputs.inspect(align)?;
     inputs.warnings.extend(suspicions);
@@ -65,8 +71,10 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         reshaped = reshape(&problem, &options, run)?;
         stages.end("solver, with the image");
     }
+    let uncertainty = sampled(job, &reshaped, run)?;
+    stages.end("plausible shapes");
     inputs.warnings.append(&mut reshaped.summary.warnings);
-    let outcome = Outcome::new(&inputs, &options, reshaped);
+    let outcome = Outcome::new(&inputs, &options, reshaped, uncertainty);
     let mut report = outcome.report(&inputs)?;
     let result = TriMesh {
         points: outcome.reshaped.surface_points.clone(),
@@ -86,6 +94,22 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         write_report(folder, &report, &page(&report, &outcome.shapes(&inputs)))?;
     }
     Ok(JobResult { points: outcome.reshaped.surface_points, report })
+}
+
+fn samples(job: &ReshapeJob) -> usize {
+    job.samples.unwrap_or(Uncertainty::SAMPLES)
+}
+
+/// Plausible shapes, as many as asked for; none of a run that was interrupted.
+fn sampled(job: &ReshapeJob, reshaped: &Reshaped, run: &Run) -> Result<Option<Uncertainty>> {
+    let samples = samples(job);
+    if samples == 0 || run.is_cancelled() {
+        return Ok(None);
+    }
+    match uncertainty(reshaped, samples, run) {
+        Err(Error::Cancelled) => Ok(None),
+        other => other.map(Some),
+    }
 }
 
 /// Adds to the problem what the image shows where the user marked nothing.

@@ -144,6 +144,9 @@ pub struct ReshapeJob {
     /// [default: 3]
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
     pub remesh: Option<usize>,
+    /// Plausible shapes that tell how sure the result is; 0: none [default: 64]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
+    pub samples: Option<usize>,
     /// Threads to use; the result does not depend on it [default: all cores]
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Solver"))]
     pub threads: Option<usize>,
@@ -158,9 +161,12 @@ pub struct ReshapeJob {
     /// The deformed tets with plastic strain and principal stretches: .vtu
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Output"))]
     pub tets_out: Option<PathBuf>,
-    /// The result with stretch and distance to the markers per vertex: .ply
+    /// The result with stretch, distance to the markers and standard deviations per vertex: .ply
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Output"))]
     pub ply_out: Option<PathBuf>,
+    /// Folder for the plausible shapes
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Output"))]
+    pub samples_out: Option<PathBuf>,
     /// Folder for report.html, report.json and result.ply
     #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Output"))]
     pub report: Option<PathBuf>,
@@ -238,11 +244,13 @@ impl ReshapeJob {
             poisson,
             max_iterations,
             remesh,
+            samples,
             threads,
             out,
             carry,
             tets_out,
             ply_out,
+            samples_out,
             report,
         )
     }
@@ -266,6 +274,7 @@ impl ReshapeJob {
             &mut self.out,
             &mut self.tets_out,
             &mut self.ply_out,
+            &mut self.samples_out,
             &mut self.report,
         ];
         for path in in_lists.chain(single.into_iter().flatten()) {
