@@ -43,6 +43,7 @@
  *   Reshaping: started, or run to its end.
  *   What a reshaping gave.
  *   What a reshaping gave: how far markers, landmarks and attachments are from it.
+ *   How sure a reshaped template is: plausible shapes, and how far they differ.
  *   Separation of bodies that overlap: the problem, its options, the run.
  *   What a separation gave.
  *   Medical images: slices, and lines on slices.
@@ -117,6 +118,11 @@ typedef struct MlgFindings MlgFindings;
  * A reshaped template. Immutable; may be read from many threads.
  */
 typedef struct MlgReshapingResult MlgReshapingResult;
+
+/**
+ * Shapes that explain the data about as well as the result. Immutable; may be read from many threads.
+ */
+typedef struct MlgUncertainty MlgUncertainty;
 
 /**
  * Bodies that overlap each other or obstacles. May be used by one thread at a time.
@@ -1576,6 +1582,90 @@ const double *mlg_reshaping_result_landmark_distances(const MlgReshapingResult *
  */
 const double *mlg_reshaping_result_attachment_distances(const MlgReshapingResult *result,
                                                         size_t *out_count);
+
+/* ================================================================================================
+ * How sure a reshaped template is: plausible shapes, and how far they differ.
+ * ================================================================================================ */
+
+/**
+ * Size of the result and how sure it is. In the template's unit.
+ */
+typedef struct MlgUncertaintySummary {
+  /**
+   * `sizeof` this struct in the caller's header; set by the caller.
+   */
+  size_t struct_size;
+  /**
+   * Plausible shapes.
+   */
+  size_t shapes;
+  /**
+   * Volume inside the surface; NaN for one that is not closed.
+   */
+  double volume;
+  /**
+   * Its standard deviation.
+   */
+  double volume_sd;
+  /**
+   * Surface area.
+   */
+  double area;
+  /**
+   * Its standard deviation.
+   */
+  double area_sd;
+} MlgUncertaintySummary;
+
+/**
+ * Finds plausible shapes beside a result: samples of the posterior, linearized about it. Takes about as
+ * long as one iteration.
+ *
+ * `shapes`: how many, at least 2; 64 give a standard deviation to a tenth of itself. The first ones are the
+ * same whatever their number.
+ */
+MlgStatus mlg_uncertainty_new(const MlgReshapingResult *result,
+                              size_t shapes,
+                              MlgUncertainty **out_uncertainty,
+                              MlgError *error);
+
+/**
+ * Standard deviation of each vertex of the surface across it: `*out_count` numbers, borrowed until the object
+ * is freed. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_uncertainty_sd_normal(const MlgUncertainty *uncertainty,
+                                        size_t *out_count);
+
+/**
+ * Standard deviation of each vertex of the surface in all directions, the root of the mean squared distance,
+ * as `mlg_uncertainty_sd_normal`.
+ */
+const double *mlg_uncertainty_sd(const MlgUncertainty *uncertainty,
+                                 size_t *out_count);
+
+/**
+ * Gives the surface's points of one plausible shape, in the template's order.
+ *
+ * `number`: from 0. `out_points`: room for `3 * count` coordinates, `count` the number of the template's
+ * vertices.
+ */
+MlgStatus mlg_uncertainty_shape(const MlgUncertainty *uncertainty,
+                                size_t number,
+                                double *out_points,
+                                size_t count,
+                                MlgError *error);
+
+/**
+ * Tells the result's size and how sure it is. `out_summary`: its `struct_size` must be set.
+ */
+MlgStatus mlg_uncertainty_summary(const MlgUncertainty *uncertainty,
+                                  MlgUncertaintySummary *out_summary,
+                                  MlgError *error);
+
+/**
+ * Frees plausible shapes. NULL and handles freed already are allowed.
+ */
+void mlg_uncertainty_free(MlgUncertainty *uncertainty);
 
 /* ================================================================================================
  * Separation of bodies that overlap: the problem, its options, the run.

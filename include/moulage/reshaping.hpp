@@ -10,6 +10,32 @@ namespace moulage {
 
 inline MlgReshapingOptions reshaping_options() { return defaults(mlg_reshaping_options_init); }
 
+/** Shapes that explain the data about as well as a result: how sure it is. */
+class Uncertainty : public Owner<MlgUncertainty, mlg_uncertainty_free> {
+public:
+    /** So many, at least 2; takes about as long as one iteration. */
+    static Uncertainty of(const MlgReshapingResult *result, std::size_t shapes) {
+        return Uncertainty(make(mlg_uncertainty_new, result, shapes));
+    }
+    /** Standard deviation of each vertex across the surface. */
+    MOULAGE_LENDS(double, sd_normal, mlg_uncertainty_sd_normal, 1)
+    /** In all directions. */
+    MOULAGE_LENDS(double, sd, mlg_uncertainty_sd, 1)
+    /** The points of one plausible shape. */
+    std::vector<double> shape(std::size_t number) const {
+        std::vector<double> points(3 * sd().size);
+        call(mlg_uncertainty_shape, as_const(), number, points.data(), sd().size);
+        return points;
+    }
+    /** Volume and area of the result with their standard deviations. */
+    MlgUncertaintySummary summary() const {
+        return filled<MlgUncertaintySummary>(mlg_uncertainty_summary, as_const());
+    }
+
+private:
+    using Owner::Owner;
+};
+
 /** A reshaped template. */
 class ReshapingResult : public Owner<MlgReshapingResult, mlg_reshaping_result_free> {
 public:
@@ -35,6 +61,10 @@ public:
     std::string stop_name() const { return mlg_stop_name(summary().stop); }
     MlgTetQuality quality() const {
         return filled<MlgTetQuality>(mlg_reshaping_result_quality, as_const());
+    }
+    /** So many plausible shapes beside it. */
+    Uncertainty uncertainty(std::size_t shapes = 64) const {
+        return Uncertainty::of(as_const(), shapes);
     }
     /** Moves other points with the template. */
     std::vector<double> carry(std::vector<double> at_rest) const {

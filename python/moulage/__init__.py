@@ -24,6 +24,7 @@ from .separation import (
 from .shape_models import ShapeModel, left_out
 from .skeletons import Joint, Skeleton
 from .tets import Tetrahedralization, TetQuality
+from .uncertainty import Uncertainty, UncertaintySummary
 from .volumes import Clicks, Image, Plane, Volume, VolumeInfo, section
 
 __all__ = [
@@ -31,7 +32,7 @@ __all__ = [
     "Pairs", "Plane", "Progress", "Registration", "RegistrationOptions", "RegistrationResult", "RegistrationSummary",
     "Reshaping", "ReshapingOptions", "ReshapingResult", "ReshapingSummary", "Run", "SeparatedBody", "Separation",
     "SeparationOptions", "SeparationResult", "SeparationSummary", "ShapeModel", "Skeleton", "Surface", "TetMesh", "TetQuality",
-    "Tetrahedralization", "TriMesh", "Volume", "VolumeInfo", "align", "check_library", "inspect", "left_out", "section", "version",
+    "Tetrahedralization", "TriMesh", "Uncertainty", "UncertaintySummary", "Volume", "VolumeInfo", "align", "check_library", "inspect", "left_out", "section", "version",
 ]
 
 __version__ = f"{VERSION_MAJOR}.{VERSION_MINOR}.{VERSION_PATCH}"

@@ -173,6 +173,17 @@ class MlgReshapingSummary(Versioned):
     ]
 
 
+class MlgUncertaintySummary(Versioned):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("shapes", c_size_t),
+        ("volume", c_double),
+        ("volume_sd", c_double),
+        ("area", c_double),
+        ("area_sd", c_double),
+    ]
+
+
 class MlgSeparationOptions(Versioned):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -402,6 +413,9 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "reshaping_result_save_tets": (c_void_p, c_char_p, POINTER(MlgError)),
     "reshaping_result_summary": (c_void_p, POINTER(MlgReshapingSummary), POINTER(MlgError)),
     "reshaping_result_quality": (c_void_p, POINTER(MlgTetQuality), POINTER(MlgError)),
+    "uncertainty_new": (c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError)),
+    "uncertainty_shape": (c_void_p, c_size_t, c_void_p, c_size_t, POINTER(MlgError)),
+    "uncertainty_summary": (c_void_p, POINTER(MlgUncertaintySummary), POINTER(MlgError)),
     "separation_new": (POINTER(c_void_p), POINTER(MlgError)),
     "separation_add_body": (c_void_p, c_char_p, c_void_p, c_void_p, POINTER(MlgError)),
     "separation_add_result": (c_void_p, c_char_p, c_void_p, POINTER(MlgError)),
@@ -512,6 +526,9 @@ GETTERS: dict[str, tuple[Any, ...]] = {
     "reshaping_result_marker_distances": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "reshaping_result_landmark_distances": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "reshaping_result_attachment_distances": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "uncertainty_sd_normal": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "uncertainty_sd": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "uncertainty_free": (None, c_void_p),
     "separation_options_init": (c_uint32, POINTER(MlgSeparationOptions), c_size_t),
     "separation_free": (None, c_void_p),
     "ending_name": (c_char_p, c_uint32),

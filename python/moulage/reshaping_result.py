@@ -14,6 +14,7 @@ from .handles import Handle
 from .meshes import TriMesh
 from .native import address, array
 from .tets import TetQuality, quality
+from .uncertainty import Uncertainty
 
 if TYPE_CHECKING:
     import pyvista
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 # What the bar of a heat map says.
 _HEAT = {
     "stretch": "largest stretch", "stretch_min": "smallest stretch", "moved": "distance from the template",
-    "marker_distance": "distance to the nearest marker",
+    "marker_distance": "distance to the nearest marker", "sd_normal": "standard deviation across the surface",
+    "sd": "standard deviation",
 }
 
 
@@ -125,6 +127,20 @@ class ReshapingResult(Handle):
         native.call("reshaping_result_carry", self, address(carried), len(carried), address(carried))
         return carried
 
+    def uncertainty(self, shapes: int = 64) -> Uncertainty:
+        """Find plausible shapes beside this one, which tell how sure it is; takes about as long as one iteration.
+
+        Parameters
+        ----------
+        shapes : int, default 64
+            How many; 64 give a standard deviation to a tenth of itself.
+
+        Returns
+        -------
+        Uncertainty
+        """
+        return Uncertainty._take(native.make("uncertainty_new", self, shapes))
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the reshaped surface.
 
@@ -169,8 +185,8 @@ class ReshapingResult(Handle):
 
         Parameters
         ----------
-        heat : {"stretch", "stretch_min", "moved", "marker_distance"} or None
-            What the colours show.
+        heat : {"stretch", "stretch_min", "moved", "marker_distance", "sd_normal", "sd"} or None
+            What the colours show; the last two are those of ``uncertainty``.
         screenshot : path, optional
             A picture to write, in place of a window.
         **show
@@ -185,7 +201,10 @@ class ReshapingResult(Handle):
 
     def _layers(self, heat: str | None) -> Iterator[exchange.Layer]:
         colours = exchange.heat_map(heat, _HEAT.get(heat or "", heat))
-        yield self.to_pyvista(), {"color": "lightgray", "smooth_shading": True, **colours}
+        surface = self.to_pyvista()
+        if heat in ("sd_normal", "sd"):
+            surface[heat] = getattr(self.uncertainty(), heat)
+        yield surface, {"color": "lightgray", "smooth_shading": True, **colours}
         if len(self._markers):
             yield self._markers, {"style": "points", "color": "black", "point_size": 6, "render_points_as_spheres": True}
 

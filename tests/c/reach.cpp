@@ -104,6 +104,12 @@ static ReshapingResult reshaped(const Tetrahedralization &tets) {
     CHECK(result.marker_distances().size == POINTS && result.quality().tet_count == tets.tets().size / 4);
     CHECK(result.plastic_strains().size == 9 * result.quality().tet_count);
     CHECK(result.tets().size == 4 * result.quality().tet_count && result.summary().remeshes == 0);
+    const Uncertainty sure = result.uncertainty(4);
+    CHECK(sure.sd().size == POINTS && sure.sd_normal().size == POINTS);
+    CHECK(sure.sd()[0] >= sure.sd_normal()[0] && sure.sd_normal()[0] > 0);
+    CHECK(sure.shape(3).size() == result.points().size);
+    const MlgUncertaintySummary size = sure.summary();
+    CHECK(size.shapes == 4 && size.volume_sd > 0 && size.volume_sd < size.volume && size.area_sd > 0);
     result.save_tets(in_folder("reshaped.vtu"));
     const TetMesh saved(in_folder("reshaped.vtu"));
     CHECK(saved.points().size == result.tet_points().size);

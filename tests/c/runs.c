@@ -26,6 +26,34 @@ static MlgReshapingSummary summary_of(const MlgReshapingResult *result) {
     return summary;
 }
 
+/* Plausible shapes of two results that are the same. */
+static void how_sure(const MlgReshapingResult *one, const MlgReshapingResult *two) {
+    MlgUncertainty *few = NULL, *more = NULL;
+    MlgUncertaintySummary size;
+    MlgError error;
+    size_t count = 0;
+    double shape[2][3 * POINTS];
+    const double *sd;
+    CHECK(mlg_uncertainty_new(one, 1, &few, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(error.message, "1 plausible shapes do not tell") != NULL);
+    CHECK(mlg_uncertainty_new(one, 5, &few, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_uncertainty_new(two, 40, &more, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_uncertainty_shape(few, 4, shape[0], POINTS, NULL) == MLG_STATUS_OK);
+    CHECK(mlg_uncertainty_shape(more, 4, shape[1], POINTS, NULL) == MLG_STATUS_OK);
+    CHECK(memcmp(shape[0], shape[1], sizeof shape[0]) == 0);
+    CHECK(mlg_uncertainty_shape(few, 5, shape[0], POINTS, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(error.message, "there is no shape 5: there are 5") != NULL);
+    CHECK(mlg_uncertainty_shape(few, 4, shape[0], 1, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    sd = mlg_uncertainty_sd(more, &count);
+    CHECK(count == POINTS && sd[0] >= mlg_uncertainty_sd_normal(more, NULL)[0]);
+    size.struct_size = sizeof size;
+    CHECK(mlg_uncertainty_summary(more, &size, NULL) == MLG_STATUS_OK && size.shapes == 40);
+    CHECK(size.volume_sd > 0 && size.volume_sd < 0.1 * size.volume);
+    mlg_uncertainty_free(few);
+    mlg_uncertainty_free(more);
+    CHECK(mlg_uncertainty_sd(more, NULL) == NULL);
+}
+
 static void known_answer(uint32_t tet_count) {
     double points[3 * POINTS], inside[] = {0.1, 0.2, 0.3};
     MlgReshaping *problem = sphere_problem(points, tet_count);
@@ -56,6 +84,7 @@ static void known_answer(uint32_t tet_count) {
     CHECK(count > more); /* more tets than points */
     CHECK(mlg_reshaping_result_carry(one, inside, 1, inside, NULL) == MLG_STATUS_OK);
     CHECK(fabs(inside[0]) < 0.5 && inside[0] == inside[0]);
+    how_sure(one, two);
     mlg_reshaping_result_free(one);
     mlg_reshaping_result_free(two);
     CHECK(mlg_reshaping_result_points(one, NULL) == NULL);

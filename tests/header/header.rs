@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The files in the order of the manual: what a section names was declared before it.
-const SECTIONS: [&str; 26] = [
+const SECTIONS: [&str; 27] = [
     "version",
     "boundary",
     "mesh",
@@ -23,6 +23,7 @@ const SECTIONS: [&str; 26] = [
     "reshaping_run",
     "result",
     "result_distances",
+    "uncertainty",
     "separation",
     "separation_result",
     "volume",

@@ -13,7 +13,7 @@ import moulage
 # No documentation, unknown or missing parameters, no type, no result, wrong sections, no summary, a summary that is no sentence.
 ASKED = {"GL06", "GL07", "GL08", "PR01", "PR02", "PR03", "PR04", "PR10", "RT01", "RT02", "SS01", "SS02", "SS03", "SS04", "YD01"}
 # Classes that nobody but the package constructs.
-GIVEN = {"Error", "Pairs", "RegistrationResult", "ReshapingResult", "Run", "SeparationResult"}
+GIVEN = {"Error", "Pairs", "RegistrationResult", "ReshapingResult", "Run", "SeparationResult", "Uncertainty"}
 
 
 def members():

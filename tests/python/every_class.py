@@ -48,6 +48,9 @@ def reshape(folder: Path) -> moulage.ReshapingResult:
     summary: moulage.ReshapingSummary = result.summary
     assert summary["inverted_tets"] == 0 and seen[-1].ended
     assert abs(extent(result.surface)[0] - 1.5) < 0.05
+    sure: moulage.Uncertainty = result.uncertainty(4)
+    size: moulage.UncertaintySummary = sure.summary
+    assert size["shapes"] == len(sure) == 4 and sure.shape(3).shape == (8, 3)
     return result
 
 

@@ -162,6 +162,20 @@ class Answers(unittest.TestCase):
         numpy.testing.assert_array_equal(result.surface.triangles, self.triangles)
         result.save(self.folder / "result.obj")
         numpy.testing.assert_allclose(moulage.TriMesh.load(self.folder / "result.obj").points, result.points, atol=1e-6)
+        sure = result.uncertainty(8)
+        self.assertEqual(repr(sure), "Uncertainty(8 plausible shapes)")
+        changes = numpy.array([sure.shape(number) for number in range(8)]) - result.points
+        numpy.testing.assert_allclose(sure.sd, numpy.sqrt((changes**2).sum(axis=2).mean(axis=0)))
+        self.assertTrue((sure.sd_normal <= sure.sd + 1e-12).all() and (sure.sd_normal > 0).all())
+        size = sure.summary
+        edges = person.points[person.triangles]
+        areas = numpy.linalg.norm(numpy.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1) / 2
+        self.assertAlmostEqual(size["area"], areas.sum())
+        self.assertTrue(0 < size["volume_sd"] < size["volume"] and size["area_sd"] > 0)
+        with self.assertRaisesRegex(moulage.Error, "no shape 8: there are 8"):
+            sure.shape(8)
+        with self.assertRaisesRegex(moulage.Error, "1 plausible shapes do not tell"):
+            result.uncertainty(1)
         result.save_tets(self.folder / "result.vtu")
         numpy.testing.assert_allclose(moulage.TetMesh.load(self.folder / "result.vtu").points, result.tet_points, atol=1e-6)
         apart = moulage.Separation()
