@@ -108,10 +108,10 @@ fn print_shape(report: &Report) {
         "{} tets by {}: {} inverted, stretches {low:.3} to {high:.3}",
         report.tets, report.tets_made_by, report.inverted_tets
     );
-    if let Some(volume) = &report.volume {
+    if let Some(volume) = report.volume_text() {
         println!("volume {volume}");
     }
-    println!("surface area {}", report.area);
+    println!("surface area {}", report.area.text(""));
     if let Some(deviations) = &report.deviations {
         println!(
             "standard deviation across the surface: {} ({} plausible shapes)",

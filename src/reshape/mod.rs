@@ -40,6 +40,7 @@ mod term;
 mod test_problems;
 mod trial;
 mod uncertainty;
+mod warp;
 mod woodbury;
 
 pub use findings::{Concern, Finding, Remedy, Severity};

@@ -8,6 +8,7 @@ use super::posterior::Posterior;
 use super::reshaped::Reshaped;
 use super::rows::Rows;
 use super::term::Weighting;
+use super::warp::Warp;
 use crate::error::{Error, Result};
 use crate::fem::Sensitivity;
 use crate::locate::Embedding;
@@ -38,7 +39,7 @@ pub struct Uncertainty {
     /// Its vertices in the tets.
     embedding: Embedding,
     /// How the tets' vertices are displaced in each plausible shape.
-    displacements: Vec<Vec<Vec3>>,
+    shapes: Vec<Vec<Vec3>>,
 }
 
 /// So many plausible shapes beside the result. What they do not know: whether a marker belongs to another
@@ -59,20 +60,30 @@ pub fn uncertainty(reshaped: &Reshaped, samples: usize, run: &Run) -> Result<Unc
     let rows = few.as_ref().unwrap_or(&at.data.rows).evidence();
     let posterior = Posterior::new(&linearized, &rows, &objective.smoothness)?;
     let scale = scale(reshaped.strain_energy(), &at.data.rows.evidence());
-    let deviation = scene.length * scale;
+    let warp = Warp::new(&scene.body, &state.x)?;
     let block = |first: usize| {
         if run.is_cancelled() {
             return Err(Error::Cancelled);
         }
         let mut fields = posterior.samples(first..samples.min(first + BLOCK));
-        fields.iter_mut().flatten().for_each(|displacement| *displacement *= deviation);
-        Ok(fields)
+        fields.iter_mut().flatten().for_each(|dx| *dx *= scale);
+        let shapes = fields.iter().map(|dx| warp.apply(dx)).collect();
+        Ok(Displacements { linear: fields, shapes })
     };
     let firsts: Vec<usize> = (0..samples).step_by(BLOCK).collect();
-    let blocks: Vec<_> = firsts.into_par_iter().map(block).collect::<Result<_>>()?;
+    let blocks: Vec<Displacements> = firsts.into_par_iter().map(block).collect::<Result<_>>()?;
     let triangles = reshaped.problem.surface.triangles.clone();
     let best = TriMesh { points: reshaped.surface_points.clone(), triangles };
-    Ok(Uncertainty::new(best, scene.data.surface.embedding.clone(), blocks.concat()))
+    let embedding = scene.data.surface.embedding.clone();
+    Ok(Uncertainty::new(best, embedding, scene.length, blocks))
+}
+
+/// Of the tets' vertices, in the solver's unit: a field for each sample.
+struct Displacements {
+    /// To first order, from which deviations follow.
+    linear: Vec<Vec<Vec3>>,
+    /// As shapes that can be.
+    shapes: Vec<Vec<Vec3>>,
 }
 
 /// The deviation of unit weight: the objective over the number of data, as in the adjustment of
@@ -97,29 +108,39 @@ impl Uncertainty {
         Ok(())
     }
 
-    fn new(best: TriMesh, embedding: Embedding, displacements: Vec<Vec<Vec3>>) -> Self {
+    fn new(
+        best: TriMesh,
+        embedding: Embedding,
+        length: f64,
+        mut displacements: Vec<Displacements>,
+    ) -> Self {
         let normals = best.vertex_normals();
         let (mut sd, mut sd_normal) = (vec![0.0; normals.len()], vec![0.0; normals.len()]);
-        for field in &displacements {
+        let fields = || displacements.iter().flat_map(|block| &block.linear);
+        for field in fields() {
             for (v, moved) in embedding.apply(field).iter().enumerate() {
                 sd[v] += moved.norm_squared();
                 sd_normal[v] += moved.dot(&normals[v]).powi(2);
             }
         }
+        let count = fields().count() as f64;
         for squares in sd.iter_mut().chain(&mut sd_normal) {
-            *squares = (*squares / displacements.len() as f64).sqrt();
+            *squares = length * (*squares / count).sqrt();
         }
-        Self { sd, sd_normal, best, embedding, displacements }
+        let mut shapes: Vec<Vec<Vec3>> =
+            displacements.iter_mut().flat_map(|block| std::mem::take(&mut block.shapes)).collect();
+        shapes.iter_mut().flatten().for_each(|moved| *moved *= length);
+        Self { sd, sd_normal, best, embedding, shapes }
     }
 
     /// Number of plausible shapes.
     pub fn count(&self) -> usize {
-        self.displacements.len()
+        self.shapes.len()
     }
 
     /// The surface's vertices in one of them, in the template's order; `None` for a number too high.
     pub fn shape(&self, number: usize) -> Option<Vec<Vec3>> {
-        let moved = self.embedding.apply(self.displacements.get(number)?);
+        let moved = self.embedding.apply(self.shapes.get(number)?);
         Some(self.best.points.iter().zip(moved).map(|(p, change)| p + change).collect())
     }
 

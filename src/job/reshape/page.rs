@@ -84,8 +84,8 @@ fn figures(report: &Report) -> String {
         ("Principal stretches", format!("{low:.3} to {high:.3}")),
         ("Volume, result / template", format!("{:.4}", report.volume_ratio)),
     ]);
-    rows.extend(report.volume.iter().map(|volume| ("Volume", volume.to_string())));
-    rows.push(("Surface area", report.area.to_string()));
+    rows.extend(report.volume_text().map(|volume| ("Volume", volume)));
+    rows.push(("Surface area", report.area.text("")));
     if let Some(deviations) = &report.deviations {
         let two = |s: &Spread| format!("{} / {}", number(s.mean), number(s.max));
         let (across, any) = (two(&deviations.sd_normal), two(&deviations.sd));

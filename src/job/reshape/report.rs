@@ -1,6 +1,5 @@
 //! What a run was given, did and reached.
 
-use std::fmt;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -56,13 +55,13 @@ pub struct Estimate {
     pub sd: Option<f64>,
 }
 
-/// Five digits, the deviation to the same place.
-impl fmt::Display for Estimate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Estimate {
+    /// Five digits and a unit; the deviation to the same place.
+    pub fn text(&self, unit: &str) -> String {
         let digits = if self.value == 0.0 { 0.0 } else { self.value.abs().log10().floor() };
         let decimals = (4.0 - digits).clamp(0.0, 15.0) as usize;
-        write!(f, "{:.decimals$}", self.value)?;
-        self.sd.map_or(Ok(()), |sd| write!(f, " (sd {sd:.decimals$})"))
+        let sd = self.sd.map_or_else(String::new, |sd| format!(" (sd {sd:.decimals$})"));
+        format!("{:.decimals$}{unit}{sd}", self.value)
     }
 }
 
@@ -75,6 +74,16 @@ pub struct Deviations {
     pub sd_normal: Spread,
     /// In all directions.
     pub sd: Spread,
+}
+
+impl Report {
+    /// The result's volume in words, in millilitres where lengths are millimetres.
+    pub fn volume_text(&self) -> Option<String> {
+        let volume = self.volume?;
+        let millilitres =
+            Estimate { value: volume.value / 1000.0, sd: volume.sd.map(|sd| sd / 1000.0) };
+        Some(if self.millimetres { millilitres.text(" ml") } else { volume.text("") })
+    }
 }
 
 /// Everything about one run. Lengths in the template's unit.
@@ -129,6 +138,9 @@ pub struct Report {
     pub volume: Option<Estimate>,
     /// Its surface area.
     pub area: Estimate,
+    /// Whether lengths are known to be millimetres, which those of images are.
+    #[serde(skip)]
+    pub millimetres: bool,
     /// How sure its vertices are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deviations: Option<Deviations>,
@@ -172,10 +184,12 @@ mod tests {
 
     #[test]
     fn an_estimate_has_five_digits_in_any_unit() {
-        let written = |value: f64, sd| Estimate { value, sd }.to_string();
+        let written = |value: f64, sd| Estimate { value, sd }.text("");
         assert_eq!(written(79_819.49, Some(42_360.163)), "79819 (sd 42360)");
         assert_eq!(written(7.981_949e-5, Some(4.2e-6)), "0.000079819 (sd 0.000004200)");
         assert_eq!(written(1_234_567.8, None), "1234568");
         assert_eq!(written(0.0, None), "0.0000");
+        let litres = Estimate { value: 1.52, sd: Some(0.014) };
+        assert_eq!(litres.text(" l"), "1.5200 l (sd 0.0140)");
     }
 }

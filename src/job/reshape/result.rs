@@ -99,6 +99,7 @@ impl Outcome {
                 .is_closed()
                 .then(|| self.estimate(&moved, TriMesh::volume)),
             area: self.estimate(&moved, TriMesh::area),
+            millimetres: false,
             deviations: self.uncertainty.as_ref().map(deviations),
             iterations: summary.iterations.clone(),
             remeshes: summary.remeshes.clone(),

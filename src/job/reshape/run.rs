@@ -81,6 +81,7 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         triangles: inputs.surface.triangles.clone(),
     };
     report.refinement = refinement;
+    report.millimetres = job.volume.is_some() || job.label_map.is_some();
     report.label_fit = person.fit(&result)?;
     if job.report.is_some() {
         report.slices = person.figures(&result, Some(&inputs.surface), &outcome.markers)?;
