@@ -11,7 +11,9 @@ COLOUR = "moulage_heat"
 _MARKER_DISTANCES = "moulage_marker_distances"
 # The viewport's colours and light before a heat map was shown, on the template object.
 _SHADING = "moulage_shading"
-SOURCES = {"DISTANCE": "moulage_distance", "STRETCH": "moulage_stretch"}
+SOURCES = {"DISTANCE": "moulage_distance", "STRETCH": "moulage_stretch", "SURE": "moulage_sd_normal"}
+# The property with the end of each scale.
+LIMITS = {"DISTANCE": "heat_limit", "STRETCH": "stretch_limit", "SURE": "sure_limit"}
 _NO_VALUE = (0.35, 0.35, 0.35)
 
 # Linear colours at equal steps. Distance: dark blue (on the surface) to yellow (far off), after viridis.
@@ -19,6 +21,8 @@ _DISTANCE = numpy.array([
     (0.058, 0.0003, 0.089), (0.042, 0.085, 0.258), (0.0152, 0.279, 0.262), (0.109, 0.578, 0.127),
     (0.982, 0.799, 0.0185),
 ])
+# Standard deviation: white (sure) to purple.
+_SURE = numpy.array([(0.9, 0.9, 0.85), (0.62, 0.45, 0.72), (0.38, 0.16, 0.55), (0.2, 0.04, 0.36), (0.09, 0.01, 0.2)])
 # Stretch: blue (pressed) over white (unchanged) to red (stretched).
 _STRETCH = numpy.array([(0.02, 0.08, 0.45), (0.25, 0.45, 0.75), (0.85, 0.85, 0.85), (0.75, 0.25, 0.15), (0.4, 0.01, 0.02)])
 
@@ -70,7 +74,7 @@ def colours(kind, values, low, high):
         share = numpy.log(numpy.maximum(values, 1e-6) / low) / numpy.log(high / low)
     else:
         share = (values - low) / (high - low)
-    rgb = _interpolate(_STRETCH if kind == "STRETCH" else _DISTANCE, share)
+    rgb = _interpolate({"DISTANCE": _DISTANCE, "STRETCH": _STRETCH, "SURE": _SURE}[kind], share)
     rgb[values < 0] = _NO_VALUE
     return numpy.column_stack([rgb, numpy.ones(len(rgb))])
 
@@ -81,8 +85,7 @@ def paint(template):
     values = mesh_data.attribute(template.data, SOURCES.get(kind, ""))
     if values is None:
         return
-    limit = template.moulage.heat_limit if kind == "DISTANCE" else template.moulage.stretch_limit
-    low, high = value_range(kind, values, limit)
+    low, high = value_range(kind, values, getattr(template.moulage, LIMITS[kind]))
     template.moulage.result.heat_range = (low, high)
     mesh_data.set_attribute(template.data, COLOUR, "FLOAT_COLOR", colours(kind, values, low, high))
     attributes = template.data.color_attributes

@@ -14,7 +14,7 @@ _WIDTH, _HEIGHT = 260, 14
 _BOTTOM = 64
 _STEPS = 64
 _TICKS = 4
-_TITLES = {"DISTANCE": "Distance of the markers", "STRETCH": "Stretch (1: unchanged)"}
+_TITLES = {"DISTANCE": "Distance of the markers", "STRETCH": "Stretch (1: unchanged)", "SURE": "Standard deviation"}
 
 
 def draw():
@@ -24,7 +24,8 @@ def draw():
     if template is None or template.moulage.heat == "NONE":
         return
     kind, (low, high) = template.moulage.heat, template.moulage.result.heat_range
-    if high <= low:
+    largest = once.found("largest value", (template.name, kind), lambda: largest_value(template, kind))
+    if high <= low or largest is None:
         return
     scale = context.preferences.system.ui_scale
     left = (_free_width(context) - _WIDTH * scale) / 2
@@ -34,9 +35,7 @@ def draw():
     _write(f"{_TITLES[kind]}{', ' + unit if unit else ''}", left, box[1] + box[3] + 8 * scale, scale)
     for value in ticks(kind, low / size, high / size):
         _mark(value, share(kind, value * size, low, high), box, scale)
-    largest = once.found("largest value", (template.name, kind), lambda: largest_value(template, kind))
-    if largest is not None:
-        _mark_largest(largest / size, share(kind, largest, low, high), box, scale)
+    _mark_largest(largest / size, share(kind, largest, low, high), box, scale)
 
 
 def share(kind, value, low, high):

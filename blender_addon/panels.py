@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import landmarks, library, properties, runs, scan, units
+from . import heat_map, landmarks, library, properties, runs, scan, units
 from .library import Wrong
 
 
@@ -339,10 +339,10 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
         if kept.warnings:
             write(layout, context, kept.warnings, "ERROR")
         row = layout.row(align=True)
-        for kind, label in (("NONE", "Plain"), ("DISTANCE", "Distance"), ("STRETCH", "Stretch")):
+        for kind, label in (("NONE", "Plain"), ("DISTANCE", "Distance"), ("STRETCH", "Stretch"), ("SURE", "How Sure")):
             row.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
         if data.heat != "NONE":
-            layout.prop(data, "heat_limit" if data.heat == "DISTANCE" else "stretch_limit")
+            layout.prop(data, heat_map.LIMITS[data.heat])
         layout.operator("moulage.copy_result", icon="DUPLICATE")
         row = layout.row()
         row.prop(context.window_manager.moulage, "live_edit", toggle=True, icon="MOD_SIMPLEDEFORM")
@@ -356,6 +356,10 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
             column.label(text=f"largest {largest}")
             if kept.mean_before >= 0:
                 column.label(text=f"before editing {units.text(context.scene, kept.mean_before)}")
+        volume, deviation = kept.volume
+        if volume >= 0:
+            column.label(text=f"Volume {units.volume(context.scene, volume)},")
+            column.label(text=f"sd {units.volume(context.scene, deviation)}")
         column.label(text=f"{kept.iterations} step{'s' if kept.iterations != 1 else ''}, {kept.seconds:.0f} s")
         if kept.inverted_tets:
             column.label(text=f"{kept.inverted_tets} inverted tets: folded there", icon="ERROR")

@@ -31,6 +31,7 @@ HEAT_MAPS = [
     ("NONE", "None", "The object's own colours"),
     ("DISTANCE", "Distance", "How far the nearest markers are off the surface"),
     ("STRETCH", "Stretch", "How much the template was stretched: largest principal stretch"),
+    ("SURE", "How Sure", "How far the surface may be off: its standard deviation, from shapes that explain the data as well"),
 ]
 
 
@@ -135,6 +136,9 @@ class MOULAGE_PG_result(bpy.types.PropertyGroup):
     iterations: IntProperty(description="Steps of the run")
     inverted_tets: IntProperty(description="Tets that are turned inside out: the shape is folded there")
     seconds: FloatProperty(description="How long the run took")
+    volume: FloatVectorProperty(
+        description="Volume and its standard deviation, in cubes of the scene's unit; below 0: not known", size=2, default=(-1.0, -1.0)
+    )
     heat_range: FloatVectorProperty(description="The values at the two ends of the heat map's scale", size=2)
 
 
@@ -213,6 +217,10 @@ class MOULAGE_PG_template(bpy.types.PropertyGroup):
     stretch_limit: FloatProperty(
         name="Up to", min=0.0, precision=2, update=_repaint,
         description="The stretch at the red end of the scale; the blue end is its inverse. 0: all but the largest hundredth",
+    )
+    sure_limit: FloatProperty(
+        name="Up to", subtype="DISTANCE", min=0.0, precision=3, update=_repaint,
+        description="The standard deviation at the purple end of the scale. 0: all but the largest hundredth",
     )
     show_markers: BoolProperty(
         name="Show markers", description="Draw the markers as dots, coloured by their distance", default=True

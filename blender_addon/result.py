@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The result of a run on the template: a shape key, per-vertex values, residuals, carried meshes."""
 
+import contextlib
 import math
 
 import numpy
@@ -11,6 +12,7 @@ KEY = "Reshaped"
 # The key that lies over it after a separation.
 SEPARATED = "Separated"
 STRETCH = "moulage_stretch"
+SURE = "moulage_sd_normal"
 DISTANCE = "moulage_distance"
 
 _ENDINGS = {
@@ -84,8 +86,9 @@ def write_shape(template, inputs, before, points):
     template.data.update()
 
 
-def write(context, template, inputs, before, found, warnings, seconds):
-    """Writes all of a result; returns what to tell the user."""
+def write(context, template, inputs, before, found, warnings, seconds, edited=False):
+    """Writes all of a result; returns what to tell the user. `edited`: in live editing, where how sure it is would
+    take longer than the run."""
     data, summary = template.moulage, found.summary
     write_shape(template, inputs, before, found.points)
     mesh_data.set_attribute(template.data, STRETCH, "FLOAT", found.max_stretches)
@@ -94,6 +97,7 @@ def write(context, template, inputs, before, found, warnings, seconds):
     mesh_data.set_attribute(template.data, DISTANCE, "FLOAT", near)
     heat_map.keep_marker_distances(template, distances)
     _residuals(template, inputs, found)
+    _how_sure(template, None if edited else found)
     for item in data.carried:
         if item.object is not None and item.object != template:
             carry(item.object, found)
@@ -119,6 +123,21 @@ def sentence(scene, kept):
     if kept.inverted_tets:
         text += f" {kept.inverted_tets} tets are inverted: the shape is folded there."
     return text
+
+
+def _how_sure(template, found):
+    """Standard deviations of vertices and volume; nothing is known of them without a result."""
+    kept = template.moulage.result
+    kept.volume = -1.0, -1.0
+    deviations = numpy.full(len(template.data.vertices), -1.0)
+    if found is not None:
+        # The result is there, whatever becomes of this.
+        with contextlib.suppress(library.Wrong), library.calls():
+            sure = found.uncertainty()
+            size, deviations = sure.summary, sure.sd_normal
+            if not math.isnan(size["volume"]):
+                kept.volume = size["volume"], size["volume_sd"]
+    mesh_data.set_attribute(template.data, SURE, "FLOAT", deviations)
 
 
 def _known(value):

@@ -134,7 +134,7 @@ class Solve(Running):
                 data.mean_before = -1.0
             elif data.mean_before < 0:
                 data.mean_before = data.mean_distance
-            said = result.write(context, template, self.inputs, self._before, found, warnings, seconds)
+            said = result.write(context, template, self.inputs, self._before, found, warnings, seconds, self._earlier is not None)
             kept_tets.keep(template, self.inputs.frame, found.points, found.tet_points, self._tets.tets)
             return said
         except Wrong:

@@ -10,6 +10,7 @@ _METRIC = {
 }
 _IMPERIAL = {"MILES": (1_609_344.0, "mi"), "FEET": (304.8, "ft"), "THOU": (0.0254, "thou")}
 _INCHES = (25.4, "in")
+_CUBED = "\u00b3"
 
 
 def millimetres(scene, length):
@@ -39,6 +40,14 @@ def texts(scene, *lengths):
 def text(scene, length):
     """A length of the scene for reading."""
     return texts(scene, length)[0]
+
+
+def volume(scene, size):
+    """A volume of the scene for reading: up to that of a person in millilitres, where lengths are millimetres."""
+    length, name = unit(scene, size ** (1 / 3))
+    if name == "mm":
+        return f"{number(size / length**3 / 1000)} ml"
+    return f"{number(size / length**3)} {name + _CUBED if name else ''}".rstrip()
 
 
 def number(value):

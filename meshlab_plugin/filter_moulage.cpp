@@ -133,11 +133,12 @@ RichParameterList FilterMoulage::initParameterList(const QAction *action,
                                "Move to the markers first",
                                "For a template that does not lie where the person is."));
         list.addParam(RichEnum("quality", 0,
-                               {"Leave as it is", "Largest stretch", "Distance to the nearest marker"},
+                               {"Leave as it is", "Largest stretch", "Distance to the nearest marker",
+                                "Standard deviation across the surface"},
                                "Vertex quality shows",
                                "What the quality of the vertices is to hold afterwards."));
         list.addParam(RichBool("colorize", true, "Colour by vertex quality",
-                               "If it shows the stretch or the distance: the lowest blue, the highest red."));
+                               "If it shows anything new: the lowest blue, the highest red."));
         list.addParam(RichFileOpen("template_landmarks", "", points_files, "Landmarks on the template",
                                    "Named points on the template: .pp picked on the current layer, "
                                    ".mrk.json, .fcsv; or one .csv with template_x.. and target_x..",

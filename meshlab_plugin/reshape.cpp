@@ -8,7 +8,7 @@
 namespace {
 
 /** What the vertex quality shows afterwards, in the order of the dialog. */
-enum Shown { KEPT, STRETCH, MARKER_DISTANCE };
+enum Shown { KEPT, STRETCH, MARKER_DISTANCE, HOW_SURE };
 
 }  // namespace
 
@@ -100,6 +100,7 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
     const moulage::ReshapingResult result = run.wait();
 
     set_points(own, result.points());
+    const moulage::Uncertainty sure = result.uncertainty();
     const int shown = parameters.getEnum("quality");
     if (shown == STRETCH) set_quality(own, result.max_stretches());
     if (shown == MARKER_DISTANCE) {
@@ -108,12 +109,15 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
         const std::vector<double> distances = person.distances_to(markers);
         set_quality(own, distances);
     }
+    if (shown == HOW_SURE) set_quality(own, sure.sd_normal());
     if (shown != KEPT && parameters.getBool("colorize")) colour_by_quality(own);
 
     const MlgReshapingSummary summary = result.summary();
     log("%i markers: mean distance %g, largest %g; %s after %i iterations, %.1f s",
         int(markers.size() / 3), summary.mean_marker_distance, summary.max_marker_distance,
         result.stop_name().c_str(), int(summary.iterations), summary.seconds);
+    const MlgUncertaintySummary size = sure.summary();
+    log("volume %g (sd %g), surface area %g (sd %g)", size.volume, size.volume_sd, size.area, size.area_sd);
     if (summary.stop == MLG_STOP_ITERATION_LIMIT)
         warn("the iterations ran out; allow more, or a larger tolerance");
     if (summary.stop == MLG_STOP_NO_STEP)
@@ -126,5 +130,9 @@ FilterMoulage::Figures FilterMoulage::reshape(const RichParameterList &parameter
             {"max_marker_distance", summary.max_marker_distance},
             {"iterations", int(summary.iterations)},
             {"inverted_tets", int(summary.inverted_tets)},
+            {"volume", size.volume},
+            {"volume_sd", size.volume_sd},
+            {"area", size.area},
+            {"area_sd", size.area_sd},
             {"seconds", summary.seconds}};
 }

@@ -4,7 +4,7 @@
 import bpy
 import numpy
 
-from .. import heat_map, mesh_data, properties
+from .. import heat_map, legend, mesh_data, properties
 from ..library import Wrong
 from .base import NeedsTemplate, tells
 
@@ -21,7 +21,7 @@ class _NeedsResult(NeedsTemplate):
 
 
 class MOULAGE_OT_show_heat_map(_NeedsResult, bpy.types.Operator):
-    """Colour the template by how far its markers are off, or by how much it was stretched"""
+    """Colour the template by how far its markers are off, how much it was stretched, or how sure its shape is"""
 
     bl_idname = "moulage.show_heat_map"
     bl_label = "Show Heat Map"
@@ -30,8 +30,12 @@ class MOULAGE_OT_show_heat_map(_NeedsResult, bpy.types.Operator):
         name="Heat map", description="What the template's colours tell", items=properties.HEAT_MAPS
     )
 
+    @tells
     def execute(self, context):
-        heat_map.show(context, properties.template_of(context), self.kind)
+        template = properties.template_of(context)
+        if self.kind == "SURE" and legend.largest_value(template, self.kind) is None:
+            raise Wrong("How sure the shape is is known after a whole run: reshape once more.")
+        heat_map.show(context, template, self.kind)
         return {"FINISHED"}
 
 

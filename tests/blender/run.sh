@@ -44,7 +44,7 @@ blender -b --factory-startup --python-exit-code 1 --python tests/blender/run.py 
 tail -n +1 -f --pid="$window" target/blender/window.log
 wait "$window" || { echo "the session in a window ended with $?"; exit 1; }
 for picture in start doubts check tets template_and_markers landmarks attachments attached running result pin undone_meanwhile heat_map_distance \
-    heat_map_stretch slices scan label_map skeleton_start skeleton_running skeleton separate; do
+    heat_map_stretch heat_map_sure slices scan label_map skeleton_start skeleton_running skeleton separate; do
     colours=$(identify -format %k "$pictures/$picture.png")
     [ "$colours" -gt 500 ] || { echo "$pictures/$picture.png shows next to nothing"; exit 1; }
 done

@@ -77,15 +77,20 @@ def markers_as_the_command_line():
     ms.set_current_mesh(marker_layer)
     assert np.array_equal(ms.current_mesh().transform_matrix(), RIGID)
 
-    # Quality: the stretch, or the distance to the markers, equal to the command line's.
+    # Quality: the stretch, the distance to the markers, or how sure it is, equal to the command line's.
     cli("reshape", "--template", template, "--markers", markers, "--tolerance", 0.0078125, "--tets",
         "lattice", "--tet-count", 1500, "--ply-out", f"{OUT}/maps.ply", "-o", f"{OUT}/person.ply")
-    stretch, distance = (scalar_of(f"{OUT}/maps.ply", name) for name in ("stretch", "marker_distance"))
-    for choice, values in (("Largest stretch", stretch), ("Distance to the nearest marker", distance)):
+    maps = {
+        "Largest stretch": "stretch", "Distance to the nearest marker": "marker_distance",
+        "Standard deviation across the surface": "sd_normal",
+    }
+    for choice, name in maps.items():
+        values = scalar_of(f"{OUT}/maps.ply", name)
         ms = pymeshlab.MeshSet()
         marker_layer = add(ms, MARKERS)
         add(ms, POINTS, FACES)
-        ms.apply_filter(RESHAPE, markers=marker_layer, quality=choice, **options)
+        figures = ms.apply_filter(RESHAPE, markers=marker_layer, quality=choice, **options)
+        assert 0 < figures["volume_sd"] < 0.1 * figures["volume"] and 0 < figures["area_sd"] < 0.1 * figures["area"], figures
         found = ms.current_mesh().vertex_scalar_array()
         assert np.allclose(found, values, rtol=1e-5, atol=1e-7), np.abs(found - values).max()
         colours = ms.current_mesh().vertex_color_matrix()

@@ -82,6 +82,10 @@ class Live(unittest.TestCase):
         self.assertEqual([landmark.hold for landmark in data.landmarks], ["EXACT"] + 5 * ["HINT"])
         self.assertLess(data.landmarks[0].residual, 0.003)
         self.assertGreaterEqual(data.result.mean_before, 0)
+        # How sure the edited shape is is not known until the next whole run.
+        self.assertEqual(tuple(data.result.volume), (-1.0, -1.0))
+        with self.assertRaisesRegex(RuntimeError, "known after a whole run"):
+            bpy.ops.moulage.show_heat_map(kind="SURE")
         # Undo puts it back, and it is the hint that it was.
         data.landmarks[0].hold, data.landmarks[0].target.location = "HINT", before
         part("live_edit").after_undo(bpy.context)

@@ -1,5 +1,7 @@
 """Reshaping: what becomes of the template, and of what is carried with it."""
 
+import itertools
+import math
 import unittest
 
 import bpy
@@ -166,7 +168,7 @@ class Reshape(unittest.TestCase):
         template = scenes.ball_and_markers()
         bpy.ops.moulage.reshape()
         seen = []
-        for kind in ("DISTANCE", "STRETCH"):
+        for kind in ("DISTANCE", "STRETCH", "SURE"):
             bpy.ops.moulage.show_heat_map(kind=kind)
             colour = template.data.attributes["moulage_heat"]
             flat = numpy.empty(4 * len(colour.data), numpy.float32)
@@ -175,9 +177,19 @@ class Reshape(unittest.TestCase):
             self.assertGreater(numpy.ptp(flat.reshape(-1, 4)[:, :3]), 0.2)
             low, high = template.moulage.result.heat_range
             self.assertLess(low, high)
-        self.assertFalse(numpy.array_equal(*seen))
+        self.assertFalse(any(numpy.array_equal(a, b) for a, b in itertools.combinations(seen, 2)))
         stretch = part("mesh_data").attribute(template.data, "moulage_stretch")
         self.assertTrue(1.1 < stretch.max() < 1.6, stretch.max())
+        deviations = part("mesh_data").attribute(template.data, "moulage_sd_normal")
+        self.assertTrue(0 < deviations.min() < deviations.max() < 0.2, (deviations.min(), deviations.max()))
+
+    def test_a_result_says_its_volume_and_how_sure_it_is(self):
+        template = scenes.ball_and_markers()
+        bpy.ops.moulage.reshape()
+        volume, deviation = template.moulage.result.volume
+        extent = numpy.ptp(shape_of(template), axis=0)
+        self.assertAlmostEqual(volume, math.pi / 6 * extent.prod(), delta=0.1 * volume)
+        self.assertTrue(0 < deviation < 0.1 * volume, deviation)
 
     def test_the_result_can_become_an_object_of_its_own(self):
         template = scenes.ball_and_markers(iterations=2)

@@ -42,6 +42,22 @@ class Lengths(unittest.TestCase):
             self.assertAlmostEqual(template.moulage.tolerance, tolerance, places=6)
 
 
+class Volumes(unittest.TestCase):
+    def test_a_volume_is_in_millilitres_where_lengths_are_millimetres(self):
+        scenes.empty_scene()
+        scene = bpy.context.scene
+        settings = scene.unit_settings
+        settings.system, settings.length_unit = "METRIC", "MILLIMETERS"
+        volume = part("units").volume
+        for scale, size in ((1.0, 0.00152), (0.001, 1_520_000.0)):
+            settings.scale_length = scale
+            self.assertEqual(volume(scene, size), "1520 ml")
+        settings.length_unit = "CENTIMETERS"
+        self.assertEqual(volume(scene, 1_520_000.0), "1520 cm\u00b3")
+        settings.system = "NONE"
+        self.assertEqual(volume(scene, 12.0), "12")
+
+
 class HeatMaps(unittest.TestCase):
     def test_a_range_is_that_of_the_values_or_what_is_asked_for(self):
         value_range = part("heat_map").value_range

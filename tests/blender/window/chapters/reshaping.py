@@ -66,8 +66,8 @@ def slider():
 
 
 def heat_maps():
-    for kind in ("DISTANCE", "STRETCH", "NONE"):
-        yield from click_button(f"show_heat_map(kind='{kind}')", (0.15, 0.5, 0.85))
+    for kind in ("DISTANCE", "STRETCH", "SURE", "NONE"):
+        yield from click_button(f"show_heat_map(kind='{kind}')", (0.12, 0.37, 0.62, 0.87))
         yield from until(lambda: template().moulage.heat == kind, f"the heat map {kind}")
         if kind != "NONE":
             yield from picture(f"heat_map_{kind.lower()}")
