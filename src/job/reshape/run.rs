@@ -71,7 +71,11 @@ fn run_here(job: &ReshapeJob, run: &Run) -> Result<JobResult> {
         reshaped = reshape(&problem, &options, run)?;
         stages.end("solver, with the image");
     }
-    let uncertainty = sampled(job, &reshaped, run)?;
+    let uncertainty = sampled(job, &reshaped, run).unwrap_or_else(|error| {
+        // The result is there, whatever becomes of this.
+        inputs.warnings.push(format!("how sure the result is cannot be said: {error}"));
+        None
+    });
     stages.end("plausible shapes");
     inputs.warnings.append(&mut reshaped.summary.warnings);
     let outcome = Outcome::new(&inputs, &options, reshaped, uncertainty);
