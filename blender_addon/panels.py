@@ -338,9 +338,9 @@ class MOULAGE_PT_result(NeedsTemplate, bpy.types.Panel):
         self._figures(context, layout, kept)
         if kept.warnings:
             write(layout, context, kept.warnings, "ERROR")
-        row = layout.row(align=True)
+        grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for kind, label in (("NONE", "Plain"), ("DISTANCE", "Distance"), ("STRETCH", "Stretch"), ("SURE", "How Sure")):
-            row.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
+            grid.operator("moulage.show_heat_map", text=label, depress=data.heat == kind).kind = kind
         if data.heat != "NONE":
             layout.prop(data, heat_map.LIMITS[data.heat])
         layout.operator("moulage.copy_result", icon="DUPLICATE")

@@ -40,7 +40,6 @@ mod term;
 mod test_problems;
 mod trial;
 mod uncertainty;
-mod warp;
 mod woodbury;
 
 pub use findings::{Concern, Finding, Remedy, Severity};

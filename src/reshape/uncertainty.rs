@@ -8,7 +8,6 @@ use super::posterior::Posterior;
 use super::reshaped::Reshaped;
 use super::rows::Rows;
 use super::term::Weighting;
-use super::warp::Warp;
 use crate::error::{Error, Result};
 use crate::fem::Sensitivity;
 use crate::locate::Embedding;
@@ -27,6 +26,9 @@ const USUAL_WORTH: f64 = 10.0;
 /// The deviations of shapes that the model does not know are larger by this.
 const MODEL_ERROR: f64 = 1.43;
 
+/// Share of a displacement over which slopes are taken.
+const SLOPE_STEP: f64 = 1e-3;
+
 /// How sure a result is. Lengths in the template's unit.
 #[derive(Clone, Debug)]
 pub struct Uncertainty {
@@ -39,7 +41,7 @@ pub struct Uncertainty {
     /// Its vertices in the tets.
     embedding: Embedding,
     /// How the tets' vertices are displaced in each plausible shape.
-    shapes: Vec<Vec<Vec3>>,
+    displacements: Vec<Vec<Vec3>>,
 }
 
 /// So many plausible shapes beside the result. What they do not know: whether a marker belongs to another
@@ -60,30 +62,20 @@ pub fn uncertainty(reshaped: &Reshaped, samples: usize, run: &Run) -> Result<Unc
     let rows = few.as_ref().unwrap_or(&at.data.rows).evidence();
     let posterior = Posterior::new(&linearized, &rows, &objective.smoothness)?;
     let scale = scale(reshaped.strain_energy(), &at.data.rows.evidence());
-    let warp = Warp::new(&scene.body, &state.x)?;
+    let deviation = scene.length * scale;
     let block = |first: usize| {
         if run.is_cancelled() {
             return Err(Error::Cancelled);
         }
         let mut fields = posterior.samples(first..samples.min(first + BLOCK));
-        fields.iter_mut().flatten().for_each(|dx| *dx *= scale);
-        let shapes = fields.iter().map(|dx| warp.apply(dx)).collect();
-        Ok(Displacements { linear: fields, shapes })
+        fields.iter_mut().flatten().for_each(|displacement| *displacement *= deviation);
+        Ok(fields)
     };
     let firsts: Vec<usize> = (0..samples).step_by(BLOCK).collect();
-    let blocks: Vec<Displacements> = firsts.into_par_iter().map(block).collect::<Result<_>>()?;
+    let blocks: Vec<_> = firsts.into_par_iter().map(block).collect::<Result<_>>()?;
     let triangles = reshaped.problem.surface.triangles.clone();
     let best = TriMesh { points: reshaped.surface_points.clone(), triangles };
-    let embedding = scene.data.surface.embedding.clone();
-    Ok(Uncertainty::new(best, embedding, scene.length, blocks))
-}
-
-/// Of the tets' vertices, in the solver's unit: a field for each sample.
-struct Displacements {
-    /// To first order, from which deviations follow.
-    linear: Vec<Vec<Vec3>>,
-    /// As shapes that can be.
-    shapes: Vec<Vec<Vec3>>,
+    Ok(Uncertainty::new(best, scene.data.surface.embedding.clone(), blocks.concat()))
 }
 
 /// The deviation of unit weight: the objective over the number of data, as in the adjustment of
@@ -108,54 +100,51 @@ impl Uncertainty {
         Ok(())
     }
 
-    fn new(
-        best: TriMesh,
-        embedding: Embedding,
-        length: f64,
-        mut displacements: Vec<Displacements>,
-    ) -> Self {
+    fn new(best: TriMesh, embedding: Embedding, displacements: Vec<Vec<Vec3>>) -> Self {
         let normals = best.vertex_normals();
         let (mut sd, mut sd_normal) = (vec![0.0; normals.len()], vec![0.0; normals.len()]);
-        let fields = || displacements.iter().flat_map(|block| &block.linear);
-        for field in fields() {
+        for field in &displacements {
             for (v, moved) in embedding.apply(field).iter().enumerate() {
                 sd[v] += moved.norm_squared();
                 sd_normal[v] += moved.dot(&normals[v]).powi(2);
             }
         }
-        let count = fields().count() as f64;
         for squares in sd.iter_mut().chain(&mut sd_normal) {
-            *squares = length * (*squares / count).sqrt();
+            *squares = (*squares / displacements.len() as f64).sqrt();
         }
-        let mut shapes: Vec<Vec<Vec3>> =
-            displacements.iter_mut().flat_map(|block| std::mem::take(&mut block.shapes)).collect();
-        shapes.iter_mut().flatten().for_each(|moved| *moved *= length);
-        Self { sd, sd_normal, best, embedding, shapes }
+        Self { sd, sd_normal, best, embedding, displacements }
     }
 
     /// Number of plausible shapes.
     pub fn count(&self) -> usize {
-        self.shapes.len()
+        self.displacements.len()
     }
 
     /// The surface's vertices in one of them, in the template's order; `None` for a number too high.
     pub fn shape(&self, number: usize) -> Option<Vec<Vec3>> {
-        let moved = self.embedding.apply(self.shapes.get(number)?);
-        Some(self.best.points.iter().zip(moved).map(|(p, change)| p + change).collect())
+        Some(self.along(self.displacements.get(number)?, 1.0))
     }
 
-    /// Standard deviation of a number that a shape has, about its mean.
+    /// Standard deviation of a number that a shape has, to first order: what lies along a curved surface
+    /// moves away from it when it goes straight on, and a body that turns would swell.
     pub fn deviation_of(&self, measure: impl Fn(&TriMesh) -> f64) -> f64 {
         let mut surface = self.best.clone();
-        let mut values = Vec::new();
-        for shape in (0..self.count()).map_while(|number| self.shape(number)) {
-            surface.points = shape;
-            values.push(measure(&surface));
-        }
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        (squares / (count - 1.0)).sqrt()
+        let mut at = |field: &[Vec3], share: f64| {
+            surface.points = self.along(field, share);
+            measure(&surface)
+        };
+        let slopes = self
+            .displacements
+            .iter()
+            .map(|field| (at(field, SLOPE_STEP) - at(field, -SLOPE_STEP)) / (2.0 * SLOPE_STEP));
+        let squares: f64 = slopes.map(|slope| slope * slope).sum();
+        (squares / self.count() as f64).sqrt()
+    }
+
+    /// The surface's vertices a share of the way to a plausible shape.
+    fn along(&self, field: &[Vec3], share: f64) -> Vec<Vec3> {
+        let moved = self.embedding.apply(field);
+        self.best.points.iter().zip(moved).map(|(p, change)| p + change * share).collect()
     }
 }
 
@@ -190,6 +179,16 @@ mod tests {
     }
 
     #[test]
+    fn a_volume_that_was_seen_all_around_is_sure() {
+        let (problem, run) = (ball_to_ellipsoid(), Run::new());
+        let reshaped = reshape(&problem, &Options::default(), &run).unwrap();
+        // How a ball is turned the markers do not say.
+        let found = uncertainty(&reshaped, 64, &run).unwrap();
+        let share = found.deviation_of(TriMesh::volume) / found.best.volume();
+        assert!((1e-5..0.005).contains(&share), "{share}");
+    }
+
+    #[test]
     fn samples_do_not_depend_on_threads_nor_on_their_number() {
         let (_, few) = on_threads(Some(1), || Ok(half_seen(16))).unwrap();
         let (_, more) = on_threads(Some(3), || Ok(half_seen(40))).unwrap();
@@ -201,12 +200,13 @@ mod tests {
     }
 
     #[test]
-    fn a_deviation_is_about_the_mean() {
-        let (_, found) = half_seen(3);
-        let tip: Vec<f64> = (0..3).map(|number| found.shape(number).unwrap()[5].x).collect();
-        let mean = tip.iter().sum::<f64>() / 3.0;
-        let variance = tip.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 2.0;
+    fn a_deviation_is_that_of_the_shapes() {
+        let (reshaped, found) = half_seen(3);
+        let best = &reshaped.surface_points;
+        let changes: Vec<f64> =
+            (0..3).map(|number| found.shape(number).unwrap()[5].x - best[5].x).collect();
+        let square = changes.iter().map(|change| change * change).sum::<f64>() / 3.0;
         let deviation = found.deviation_of(|surface| surface.points[5].x);
-        assert!((deviation - variance.sqrt()).abs() < 1e-12);
+        assert!((deviation / square.sqrt() - 1.0).abs() < 1e-9);
     }
 }

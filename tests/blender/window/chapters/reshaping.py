@@ -67,7 +67,7 @@ def slider():
 
 def heat_maps():
     for kind in ("DISTANCE", "STRETCH", "SURE", "NONE"):
-        yield from click_button(f"show_heat_map(kind='{kind}')", (0.12, 0.37, 0.62, 0.87))
+        yield from click_button(f"show_heat_map(kind='{kind}')", (0.25, 0.75))
         yield from until(lambda: template().moulage.heat == kind, f"the heat map {kind}")
         if kind != "NONE":
             yield from picture(f"heat_map_{kind.lower()}")
