@@ -107,6 +107,18 @@ impl Setup {
         e
     }
 
+    /// R, assembled.
+    fn precision(&self, prior: &StrainSmoothness) -> DMatrix<f64> {
+        let n = 6 * self.s.len();
+        let mut r = DMatrix::zeros(n, n);
+        for k in 0..n {
+            for (c, column) in prior.apply(&self.unit(k)).iter().enumerate() {
+                r.view_mut((6 * c, k), (6, 1)).copy_from(column);
+            }
+        }
+        r
+    }
+
     /// The covariance of all vertices' coordinates, given the rows: all matrices assembled, the strains
     /// that the prior leaves free and rigid motions with a prior deviation of 1.
     fn dense_covariance(
@@ -118,12 +130,9 @@ impl Setup {
         let flat = |field: &[Vec3]| {
             DVector::from_iterator(coordinates, field.iter().flat_map(|v| [v.x, v.y, v.z]))
         };
-        let (mut j, mut r) = (DMatrix::zeros(coordinates, n), DMatrix::zeros(n, n));
+        let (mut j, r) = (DMatrix::zeros(coordinates, n), self.precision(prior));
         for k in 0..n {
             j.set_column(k, &flat(&at.shape_change(&self.unit(k))));
-            for (c, column) in prior.apply(&self.unit(k)).iter().enumerate() {
-                r.view_mut((6 * c, k), (6, 1)).copy_from(column);
-            }
         }
         let largest = r.diagonal().max();
         let mut strains = r.pseudo_inverse(1e-9 * largest).unwrap();
@@ -165,12 +174,9 @@ impl Setup {
         damping: f64,
     ) -> Vec<Sym3> {
         let n = 6 * self.s.len();
-        let (mut z, mut r) = (DMatrix::zeros(self.rows.rows.len(), n), DMatrix::zeros(n, n));
+        let (mut z, r) = (DMatrix::zeros(self.rows.rows.len(), n), self.precision(prior));
         for k in 0..n {
             z.set_column(k, &DVector::from_vec(self.rows.measure(&at.shape_change(&self.unit(k)))));
-            for (c, column) in prior.apply(&self.unit(k)).iter().enumerate() {
-                r.view_mut((6 * c, k), (6, 1)).copy_from(column);
-            }
         }
         let s = DVector::from_iterator(n, self.s.iter().flat_map(|s| s.iter().copied()));
         let residual = DVector::from_iterator(

@@ -39,7 +39,8 @@ struct Sureness {
 }
 
 impl Sureness {
-    fn new(best: &TriMesh, uncertainty: Uncertainty) -> Self {
+    fn new(uncertainty: Uncertainty) -> Self {
+        let best = uncertainty.surface();
         let closed = SurfaceCheck::new(best).is_closed();
         let of_closed = |value: f64| if closed { value } else { f64::NAN };
         let summary = MlgUncertaintySummary {
@@ -68,10 +69,7 @@ pub unsafe extern "C" fn mlg_uncertainty_new(
 ) -> MlgStatus {
     access::make((out_uncertainty, "out_uncertainty"), error, || {
         let result = handles::get::<ReshapingResult, _>(result, "result")?;
-        let reshaped = result.reshaped();
-        let found = uncertainty(reshaped, shapes, &Run::new())?;
-        let triangles = reshaped.problem.surface.triangles.clone();
-        Ok(Sureness::new(&TriMesh { points: reshaped.surface_points.clone(), triangles }, found))
+        Ok(Sureness::new(uncertainty(result.reshaped(), shapes, &Run::new())?))
     })
 }
 

@@ -16,6 +16,6 @@ pub use equilibrium::{Equilibrium, EquilibriumOptions, Outcome, solve_vectors};
 pub use plastic::{Carrier, Chart, PlasticState, StrainSpace};
 pub use rigid_modes::{RigidMotion, isostatic_gauge, rigid_modes};
 pub use sensitivity::Sensitivity;
-pub use strain_laplacian::{Screening, StrainSmoothness};
+pub use strain_laplacian::{HalfInverse, Screening, StrainSmoothness};
 pub use strain_mean::StrainMean;
 pub use stretches::{deformation_gradients, principal_stretches, stretches_of};

@@ -127,7 +127,7 @@ impl StrainSmoothness {
         // take out, and only together give the form that [`HalfInverse`] factors.
         self.factor.solve_rows(&mut flat, 6);
         if self.is_singular() {
-            self.remove_constant(&mut flat, 6, |_| 1.0);
+            Self::take_out(&mut flat, 6, |_| 1.0, |_| 1.0);
         }
         let mean = self.mean.as_ref().map_or_else(Sym3::zeros, |mean| mean.answer(b));
         let scaled =
@@ -144,37 +144,34 @@ impl StrainSmoothness {
     /// and the constant that the mass sees afterwards.
     fn between_constants<T: Real>(&self, b: &mut [T], width: usize, solve: impl Fn(&mut [T])) {
         if self.is_singular() {
-            self.remove_constant(b, width, |_| 1.0);
+            Self::take_out(b, width, |_| 1.0, |_| 1.0);
         }
         solve(b);
         if self.is_singular() {
-            self.remove_constant(b, width, |v| self.mass[v]);
+            Self::take_out(b, width, |_| 1.0, |v| self.mass[v]);
         }
     }
 
-    /// Subtracts from each column the constant that makes its weighted sum zero.
-    fn remove_constant<T: Real>(&self, b: &mut [T], width: usize, weight: impl Fn(usize) -> f64) {
-        let total: f64 = (0..self.mass.len()).map(&weight).sum();
-        let mut means = vec![0.0; width];
+    /// Subtracts from each column the multiple of `field` that makes its sum, weighted by `weight`, zero.
+    /// With the two exchanged: the transpose.
+    fn take_out<T: Real>(
+        b: &mut [T],
+        width: usize,
+        field: impl Fn(usize) -> f64,
+        weight: impl Fn(usize) -> f64,
+    ) {
+        let total: f64 = (0..b.len() / width).map(|v| weight(v) * field(v)).sum();
+        let mut shares = vec![0.0; width];
         for (v, row) in b.chunks_exact(width).enumerate() {
-            means.iter_mut().zip(row).for_each(|(m, value)| *m += weight(v) * value.to_f64());
+            shares.iter_mut().zip(row).for_each(|(s, value)| *s += weight(v) * value.to_f64());
         }
-        let means: Vec<T> = means.iter().map(|m| T::from_f64(m / total)).collect();
-        for row in b.chunks_exact_mut(width) {
-            row.iter_mut().zip(&means).for_each(|(value, mean)| *value -= *mean);
+        for share in &mut shares {
+            *share /= total;
         }
-    }
-
-    /// Subtracts from each column the multiple of the mass that makes its sum zero.
-    fn remove_mass<T: Real>(&self, b: &mut [T], width: usize) {
-        let total: f64 = self.mass.iter().sum();
-        let mut sums = vec![0.0; width];
-        for row in b.chunks_exact(width) {
-            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += value.to_f64());
-        }
-        for (row, mass) in b.chunks_exact_mut(width).zip(&self.mass) {
-            for (value, sum) in row.iter_mut().zip(&sums) {
-                *value -= T::from_f64(sum * mass / total);
+        for (v, row) in b.chunks_exact_mut(width).enumerate() {
+            let field = field(v);
+            for (value, share) in row.iter_mut().zip(&shares) {
+                *value -= T::from_f64(share * field);
             }
         }
     }
@@ -207,11 +204,11 @@ impl<T: Real> HalfInverse<'_, T> {
         let Self { smoothness, factor } = self;
         self.scale(z, width);
         if smoothness.is_singular() {
-            smoothness.remove_mass(z, 6 * width);
+            StrainSmoothness::take_out(z, 6 * width, |v| smoothness.mass[v], |_| 1.0);
         }
         factor.solve_rows(z, 6 * width);
         if smoothness.is_singular() {
-            smoothness.remove_constant(z, 6 * width, |_| 1.0);
+            StrainSmoothness::take_out(z, 6 * width, |_| 1.0, |_| 1.0);
         }
     }
 

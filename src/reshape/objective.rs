@@ -4,8 +4,9 @@
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fem::{PlasticState, Screening, StrainSmoothness};
+use crate::fem::{PlasticState, Screening, Sensitivity, StrainSmoothness};
 use crate::math::{Mat3, Sym3};
+use crate::solve::Factor;
 
 use super::affine_start::affine_start;
 use super::correspondences::Correspondences;
@@ -113,6 +114,16 @@ impl<'a> Objective<'a> {
             majorizer: prior + data.rows.energy(),
             data,
         }
+    }
+
+    /// Factor of the stiffness at a state, and how its strain moves the forces: what a linearization needs.
+    pub fn derivatives(&self, state: &State) -> Result<(Factor, Sensitivity)> {
+        let (body, plastic) = (&self.scene.body, self.plastic(&state.s));
+        let (stiffness, sensitivity) = rayon::join(
+            || body.factor_stiffness(&state.x, &plastic),
+            || Sensitivity::new(body, &self.formulation.space, &state.x, &plastic),
+        );
+        Ok((stiffness?, sensitivity))
     }
 
     /// Smoothness of a strain.

@@ -19,7 +19,7 @@ use rand_pcg::Pcg64;
 use super::linearization::Linearization;
 use super::rows::Rows;
 use crate::error::Result;
-use crate::fem::{Sensitivity, StrainMean, StrainSmoothness, rigid_modes};
+use crate::fem::{HalfInverse, Sensitivity, StrainMean, StrainSmoothness, rigid_modes};
 use crate::material::IsotropicDensity;
 use crate::math::{Sym3, Vec3};
 use crate::solve::{ColumnBlocks, DenseCholesky};
@@ -30,7 +30,8 @@ const SEED: u128 = 2021;
 /// The posterior of one linearization.
 pub struct Posterior<'a, M> {
     at: &'a Linearization<'a, M>,
-    smoothness: &'a StrainSmoothness,
+    /// h, but for the mean and the rigid motion.
+    prior: HalfInverse<'a, f32>,
     /// G.
     sensitivity: Sensitivity<f32>,
     /// H; its last rows belong to the mean and the rigid motion.
@@ -64,7 +65,8 @@ impl<'a, M: IsotropicDensity> Posterior<'a, M> {
             capacity[(i, i)] += 1.0;
         }
         let (capacity, sensitivity) = (DenseCholesky::new(capacity)?, at.sensitivity.rounded());
-        Ok(Self { at, smoothness, sensitivity, half, mean_sigma, capacity })
+        let prior = smoothness.half_inverse();
+        Ok(Self { at, prior, sensitivity, half, mean_sigma, capacity })
     }
 
     /// Displacements of the body's vertices, a field for each sample; the same for the same number.
@@ -76,7 +78,7 @@ impl<'a, M: IsotropicDensity> Posterior<'a, M> {
         self.half.subtract_product(a.as_ref(), &mut z);
 
         let (strain, wide) = z.split_at_mut(6 * self.at.sensitivity.carriers() * width);
-        self.smoothness.half_inverse().transpose_apply(strain, width);
+        self.prior.transpose_apply(strain, width);
         let (mean, rigid) = wide.split_at(6 * width);
         for carrier in strain.chunks_exact_mut(6 * width) {
             for (k, value) in carrier.iter_mut().enumerate() {

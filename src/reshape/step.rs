@@ -10,7 +10,6 @@ use super::objective::{Evaluation, Objective, Shape};
 use super::rows::Rows;
 use super::trial::{Candidate, Origin, Trial};
 use crate::error::Result;
-use crate::fem::Sensitivity;
 use crate::material::{InversionBarrier, StableNeoHookean};
 use crate::run::Run;
 
@@ -51,12 +50,7 @@ impl Objective<'_> {
     /// One Gauss-Newton step.
     pub fn step(&self, at: &Evaluation, damping: Damping, run: &Run) -> Result<Step> {
         let (body, state) = (&self.scene.body, &at.shape.state);
-        let plastic = self.plastic(&state.s);
-        let (stiffness, sensitivity) = rayon::join(
-            || body.factor_stiffness(&state.x, &plastic),
-            || Sensitivity::new(body, &self.formulation.space, &state.x, &plastic),
-        );
-        let stiffness = stiffness?;
+        let (stiffness, sensitivity) = self.derivatives(state)?;
         let linearized = Linearization::new(body, &stiffness, &sensitivity, &state.x);
         let few =
             self.scene.data.representatives(&state.x, &at.shape.correspondences, &at.data.weights);

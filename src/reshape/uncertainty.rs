@@ -9,7 +9,6 @@ use super::reshaped::Reshaped;
 use super::rows::Rows;
 use super::term::Weighting;
 use crate::error::{Error, Result};
-use crate::fem::Sensitivity;
 use crate::locate::Embedding;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -52,17 +51,14 @@ pub fn uncertainty(reshaped: &Reshaped, samples: usize, run: &Run) -> Result<Unc
     let (objective, state) = Objective::again(&reshaped.problem, &reshaped.earlier)?;
     let at = objective.evaluate(objective.shape(state), Weighting::ROBUST);
     let (scene, state) = (&objective.scene, &at.shape.state);
-    let plastic = objective.plastic(&state.s);
-    let stiffness = scene.body.factor_stiffness(&state.x, &plastic)?;
-    let sensitivity =
-        Sensitivity::new(&scene.body, &objective.formulation.space, &state.x, &plastic);
+    let (stiffness, sensitivity) = objective.derivatives(state)?;
     let linearized = Linearization::new(&scene.body, &stiffness, &sensitivity, &state.x);
 
     let few = scene.data.representatives(&state.x, &at.shape.correspondences, &at.data.weights);
-    let rows = few.as_ref().unwrap_or(&at.data.rows).evidence();
-    let posterior = Posterior::new(&linearized, &rows, &objective.smoothness)?;
-    let scale = scale(reshaped.strain_energy(), &at.data.rows.evidence());
-    let deviation = scene.length * scale;
+    let (all, few) = (at.data.rows.evidence(), few.as_ref().map(Rows::evidence));
+    let rows = few.as_ref().unwrap_or(&all);
+    let posterior = Posterior::new(&linearized, rows, &objective.smoothness)?;
+    let deviation = scene.length * scale(reshaped.strain_energy(), &all);
     let block = |first: usize| {
         if run.is_cancelled() {
             return Err(Error::Cancelled);
@@ -115,6 +111,11 @@ impl Uncertainty {
         Self { sd, sd_normal, best, embedding, displacements }
     }
 
+    /// The result's surface.
+    pub fn surface(&self) -> &TriMesh {
+        &self.best
+    }
+
     /// Number of plausible shapes.
     pub fn count(&self) -> usize {
         self.displacements.len()
@@ -122,29 +123,30 @@ impl Uncertainty {
 
     /// The surface's vertices in one of them, in the template's order; `None` for a number too high.
     pub fn shape(&self, number: usize) -> Option<Vec<Vec3>> {
-        Some(self.along(self.displacements.get(number)?, 1.0))
+        let moved = self.embedding.apply(self.displacements.get(number)?);
+        Some(self.along(&moved, 1.0).collect())
     }
 
     /// Standard deviation of a number that a shape has, to first order: what lies along a curved surface
     /// moves away from it when it goes straight on, and a body that turns would swell.
     pub fn deviation_of(&self, measure: impl Fn(&TriMesh) -> f64) -> f64 {
         let mut surface = self.best.clone();
-        let mut at = |field: &[Vec3], share: f64| {
-            surface.points = self.along(field, share);
+        let mut at = |moved: &[Vec3], share: f64| {
+            surface.points.clear();
+            surface.points.extend(self.along(moved, share));
             measure(&surface)
         };
-        let slopes = self
-            .displacements
-            .iter()
-            .map(|field| (at(field, SLOPE_STEP) - at(field, -SLOPE_STEP)) / (2.0 * SLOPE_STEP));
+        let slopes = self.displacements.iter().map(|field| {
+            let moved = self.embedding.apply(field);
+            (at(&moved, SLOPE_STEP) - at(&moved, -SLOPE_STEP)) / (2.0 * SLOPE_STEP)
+        });
         let squares: f64 = slopes.map(|slope| slope * slope).sum();
         (squares / self.count() as f64).sqrt()
     }
 
-    /// The surface's vertices a share of the way to a plausible shape.
-    fn along(&self, field: &[Vec3], share: f64) -> Vec<Vec3> {
-        let moved = self.embedding.apply(field);
-        self.best.points.iter().zip(moved).map(|(p, change)| p + change * share).collect()
+    /// The surface's vertices a share of the way to where they were moved.
+    fn along(&self, moved: &[Vec3], share: f64) -> impl Iterator<Item = Vec3> {
+        self.best.points.iter().zip(moved).map(move |(p, change)| p + change * share)
     }
 }
 

@@ -87,7 +87,6 @@ fn figures(report: &Report) -> String {
     rows.extend(report.volume_text().map(|volume| ("Volume", volume)));
     rows.push(("Surface area", report.area.text("")));
     if let Some(deviations) = &report.deviations {
-        let two = |s: &Spread| format!("{} / {}", number(s.mean), number(s.max));
         let (across, any) = (two(&deviations.sd_normal), two(&deviations.sd));
         rows.push((
             "Standard deviation of vertices, mean / largest",
@@ -106,9 +105,13 @@ fn figures(report: &Report) -> String {
     table(&[Column::Text(""), Column::Text("")], cells)
 }
 
+/// Mean and largest.
+fn two(s: &Spread) -> String {
+    format!("{} / {}", number(s.mean), number(s.max))
+}
+
 /// How well markers and label are met.
 fn fit_figures(report: &Report) -> Vec<(&'static str, String)> {
-    let two = |s: &Spread| format!("{} / {}", number(s.mean), number(s.max));
     let Change { before, after } = &report.marker_distance;
     let mut rows = vec![(
         "Marker distance, mean / largest",
@@ -238,12 +241,10 @@ fn pairs(title: &str, list: &[PairLine]) -> String {
         vec![escaped(&pair.label), number(pair.before), number(pair.after), suspect]
     });
     format!(
-        "<h2>{title}</h2>\n<p>Distance to the target, mean / largest: {} / {} before, {} / {} after.</p>\n\
+        "<h2>{title}</h2>\n<p>Distance to the target, mean / largest: {} before, {} after.</p>\n\
          <details><summary>{} {}</summary>{}</details>\n",
-        number(before.mean),
-        number(before.max),
-        number(after.mean),
-        number(after.max),
+        two(&before),
+        two(&after),
         list.len(),
         title.to_lowercase(),
         table(&columns, rows)
