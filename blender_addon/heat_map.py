@@ -25,6 +25,7 @@ _DISTANCE = numpy.array([
 _SURE = numpy.array([(0.9, 0.9, 0.85), (0.62, 0.45, 0.72), (0.38, 0.16, 0.55), (0.2, 0.04, 0.36), (0.09, 0.01, 0.2)])
 # Stretch: blue (pressed) over white (unchanged) to red (stretched).
 _STRETCH = numpy.array([(0.02, 0.08, 0.45), (0.25, 0.45, 0.75), (0.85, 0.85, 0.85), (0.75, 0.25, 0.15), (0.4, 0.01, 0.02)])
+_TABLES = {"DISTANCE": _DISTANCE, "STRETCH": _STRETCH, "SURE": _SURE}
 
 
 def spread(points, triangles, markers, distances):
@@ -74,7 +75,7 @@ def colours(kind, values, low, high):
         share = numpy.log(numpy.maximum(values, 1e-6) / low) / numpy.log(high / low)
     else:
         share = (values - low) / (high - low)
-    rgb = _interpolate({"DISTANCE": _DISTANCE, "STRETCH": _STRETCH, "SURE": _SURE}[kind], share)
+    rgb = _interpolate(_TABLES[kind], share)
     rgb[values < 0] = _NO_VALUE
     return numpy.column_stack([rgb, numpy.ones(len(rgb))])
 

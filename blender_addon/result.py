@@ -11,9 +11,6 @@ from . import heat_map, landmarks, library, mesh_data, units
 KEY = "Reshaped"
 # The key that lies over it after a separation.
 SEPARATED = "Separated"
-STRETCH = "moulage_stretch"
-SURE = "moulage_sd_normal"
-DISTANCE = "moulage_distance"
 
 _ENDINGS = {
     "settled": "Done: the shape no longer changes.",
@@ -91,10 +88,10 @@ def write(context, template, inputs, before, found, warnings, seconds, edited=Fa
     take longer than the run."""
     data, summary = template.moulage, found.summary
     write_shape(template, inputs, before, found.points)
-    mesh_data.set_attribute(template.data, STRETCH, "FLOAT", found.max_stretches)
+    mesh_data.set_attribute(template.data, heat_map.SOURCES["STRETCH"], "FLOAT", found.max_stretches)
     distances = found.marker_distances
     near = heat_map.spread(found.points, inputs.triangles, inputs.markers, distances)
-    mesh_data.set_attribute(template.data, DISTANCE, "FLOAT", near)
+    mesh_data.set_attribute(template.data, heat_map.SOURCES["DISTANCE"], "FLOAT", near)
     heat_map.keep_marker_distances(template, distances)
     _residuals(template, inputs, found)
     _how_sure(template, None if edited else found)
@@ -137,7 +134,7 @@ def _how_sure(template, found):
             size, deviations = sure.summary, sure.sd_normal
             if not math.isnan(size["volume"]):
                 kept.volume = size["volume"], size["volume_sd"]
-    mesh_data.set_attribute(template.data, SURE, "FLOAT", deviations)
+    mesh_data.set_attribute(template.data, heat_map.SOURCES["SURE"], "FLOAT", deviations)
 
 
 def _known(value):

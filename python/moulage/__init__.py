@@ -32,7 +32,8 @@ __all__ = [
     "Pairs", "Plane", "Progress", "Registration", "RegistrationOptions", "RegistrationResult", "RegistrationSummary",
     "Reshaping", "ReshapingOptions", "ReshapingResult", "ReshapingSummary", "Run", "SeparatedBody", "Separation",
     "SeparationOptions", "SeparationResult", "SeparationSummary", "ShapeModel", "Skeleton", "Surface", "TetMesh", "TetQuality",
-    "Tetrahedralization", "TriMesh", "Uncertainty", "UncertaintySummary", "Volume", "VolumeInfo", "align", "check_library", "inspect", "left_out", "section", "version",
+    "Tetrahedralization", "TriMesh", "Uncertainty", "UncertaintySummary", "Volume", "VolumeInfo", "align", "check_library",
+    "inspect", "left_out", "section", "version",
 ]
 
 __version__ = f"{VERSION_MAJOR}.{VERSION_MINOR}.{VERSION_PATCH}"
