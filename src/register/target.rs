@@ -110,6 +110,30 @@ impl Target {
         self.labelled
     }
 
+    /// Its surfaces: one, or those of the bones that have one; none of an image.
+    pub fn surfaces(&self) -> impl Iterator<Item = &TriMesh> {
+        self.surfaces.iter().flatten().map(|surface| &surface.mesh)
+    }
+
+    /// How far each vertex of a skeleton lies from it, for a labelled target from its bone's surface;
+    /// NaN where there is none.
+    pub fn distances(&self, skeleton: &Skeleton) -> Vec<f64> {
+        let mut distances = vec![f64::NAN; skeleton.points.len()];
+        for part in self.parts(skeleton.bones.len()) {
+            for bone in part.bones {
+                let vertices = skeleton.bones[bone].vertices.clone();
+                let points = &skeleton.points[vertices.clone()];
+                let closest = part.surface.search.closest_many(points);
+                for (distance, (p, found)) in
+                    distances[vertices].iter_mut().zip(points.iter().zip(closest))
+                {
+                    *distance = found.map_or(f64::NAN, |found| (found.position - p).norm());
+                }
+            }
+        }
+        distances
+    }
+
     /// Its surfaces with the bones that are sought on each.
     pub(super) fn parts(&self, bone_count: usize) -> Vec<Part<'_>> {
         let bones_of = |b: usize| if self.labelled { vec![b] } else { (0..bone_count).collect() };

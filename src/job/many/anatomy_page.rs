@@ -8,14 +8,18 @@ use crate::error::Result;
 use crate::io::markup::escaped;
 use crate::io::read_surface;
 use crate::job::report::html::{self, Column, image, marked, notes, table};
-use crate::job::report::picture::{Colour, View, draw};
+use crate::job::report::picture::{View, draw};
+use crate::job::report::ramp::Colour;
 use crate::job::report::stages;
+use crate::job::report::view3d::View3d;
 use crate::job::separate::SeparationReport;
 use crate::measure::Spread;
 use crate::mesh::TriMesh;
 use crate::separate::{MovedBody, OverlapLine};
 
 const BONE: Colour = [0.88, 0.86, 0.80];
+/// Colours of what is good, doubtful and failed.
+const VERDICTS: [Colour; 3] = [[0.45, 0.68, 0.40], [0.95, 0.65, 0.10], [0.80, 0.10, 0.10]];
 /// Colours of objects, one after the other.
 const PALETTE: [Colour; 8] = [
     [0.80, 0.36, 0.34],
@@ -30,11 +34,16 @@ const PALETTE: [Colour; 8] = [
 
 /// The page, which shows the surfaces in `out` and the bones.
 pub(crate) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Result<String> {
-    let bones = bones.iter().map(|p| read_surface(p)?.mesh()).collect::<Result<Vec<_>>>()?;
-    let mut surfaces = Vec::new();
+    let mut shown = Vec::new();
+    for path in bones {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        shown.push(Shown { name, mesh: read_surface(path)?.mesh()?, colour: BONE, status: None });
+    }
     for (k, object) in report.objects.iter().enumerate() {
         if let Some(path) = &object.surface {
-            surfaces.push((read_surface(&out.join(path))?.mesh()?, PALETTE[k % PALETTE.len()]));
+            let mesh = read_surface(&out.join(path))?.mesh()?;
+            let (name, colour) = (object.name.clone(), PALETTE[k % PALETTE.len()]);
+            shown.push(Shown { name, mesh, colour, status: object.status });
         }
     }
     let mut known = report.warnings.clone();
@@ -51,7 +60,7 @@ pub(crate) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Res
             stages::sentence(&report.stages)
         ),
         notes(&known),
-        pictures(&surfaces, &bones),
+        pictures(&shown),
         objects(report),
         report.separation.as_ref().map_or_else(String::new, separated),
     ];
@@ -80,12 +89,39 @@ fn verdict(report: &AnatomyReport) -> String {
     text
 }
 
-fn pictures(surfaces: &[(TriMesh, Colour)], bones: &[TriMesh]) -> String {
+/// A surface on the page.
+struct Shown {
+    name: String,
+    mesh: TriMesh,
+    colour: Colour,
+    /// Of an object; a bone has none.
+    status: Option<Status>,
+}
+
+fn pictures(shown: &[Shown]) -> String {
+    format!("<h2>Shape</h2>\n{}", turning(shown).html(&still(shown)))
+}
+
+fn turning(shown: &[Shown]) -> View3d {
+    let mut view = View3d::new();
+    for Shown { name, mesh, .. } in shown {
+        view.part(name, &mesh.triangles, &[&mesh.points]);
+    }
+    let names = shown.iter().map(|s| (s.name.clone(), s.colour)).collect();
+    view.by_class("Objects", "", names, 0..shown.len());
+    let verdicts = [Status::Good, Status::Doubtful, Status::Failed];
+    let mut classes = vec![("bone".to_owned(), BONE)];
+    classes.extend(verdicts.iter().zip(VERDICTS).map(|(s, colour)| (s.name().to_owned(), colour)));
+    let class = |s: &Shown| verdicts.iter().position(|v| Some(*v) == s.status).map_or(0, |v| v + 1);
+    view.by_class("Verdict", "verdict", classes, shown.iter().map(class));
+    view
+}
+
+fn still(shown: &[Shown]) -> String {
     let (mut mesh, mut colours) = (TriMesh::default(), Vec::new());
-    let coloured = surfaces.iter().map(|(surface, colour)| (surface, *colour));
-    for (surface, colour) in bones.iter().map(|s| (s, BONE)).chain(coloured) {
-        mesh.append(surface);
-        colours.resize(mesh.points.len(), colour);
+    for surface in shown {
+        mesh.append(&surface.mesh);
+        colours.resize(mesh.points.len(), surface.colour);
     }
     let views = [(View::Front, "objects from the front"), (View::Side, "objects from the right")];
     views.map(|(view, alt)| image(&draw(&mesh, &colours, &[], &mesh.points, view), alt)).concat()

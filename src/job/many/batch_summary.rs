@@ -10,7 +10,8 @@ use crate::io::markup::escaped;
 use crate::io::stem;
 use crate::io::{SurfaceFile, read_surface, write_beside};
 use crate::job::report::html::{self, Column, marked, picture};
-use crate::job::report::picture::{Colour, View, draw};
+use crate::job::report::picture::{View, draw};
+use crate::job::report::ramp::Colour;
 use crate::mesh::TriMesh;
 
 const SKIN: Colour = [0.86, 0.80, 0.74];

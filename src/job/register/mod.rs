@@ -7,6 +7,7 @@ pub(crate) mod model;
 pub(crate) mod model_file;
 pub(crate) mod motion_files;
 pub(crate) mod output;
+pub(crate) mod pictures;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod scene;

@@ -5,30 +5,15 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::bone_landmarks::BoneLandmarks;
+use super::pictures::pictures;
 use super::skeleton_files::SkeletonFiles;
 use super::spec::RegisterJob;
 use crate::error::Result;
 use crate::io::markup::escaped;
 use crate::job::report::files::write_report;
-use crate::job::report::html::{self, Column, image, marked, notes, table};
-use crate::job::report::picture::{Colour, View, draw};
-use crate::mesh::TriMesh;
+use crate::job::report::html::{self, Column, marked, notes, table};
 use crate::register::summary::{BoneSummary, JointSummary, LevelTrace};
-use crate::register::{Landmark, Registered, Skeleton, Verdict};
-
-/// Colours of neighbouring bones.
-const PALETTE: [Colour; 6] = [
-    [0.90, 0.86, 0.74],
-    [0.55, 0.75, 0.92],
-    [0.95, 0.70, 0.55],
-    [0.65, 0.85, 0.60],
-    [0.85, 0.65, 0.85],
-    [0.80, 0.80, 0.80],
-];
-
-/// Colours of doubtful and failed bones.
-const DOUBTFUL: Colour = [0.95, 0.65, 0.10];
-const FAILED: Colour = [0.80, 0.10, 0.10];
+use crate::register::{Landmark, Registered, Skeleton, Target, Verdict};
 
 /// A landmark and its distance from its place at the end.
 #[derive(Clone, Debug, Serialize)]
@@ -131,21 +116,13 @@ impl RegisterReport {
         &self,
         folder: &Path,
         template: &Skeleton,
+        target: &Target,
         found: &Registered,
     ) -> Result<()> {
-        write_report(folder, self, &self.page(template, found))
+        write_report(folder, self, &self.page(&pictures(self, template, target, found)))
     }
 
-    fn verdict_colours(&self, skeleton: &Skeleton) -> Vec<Colour> {
-        let colour = |bone: &u32| match self.bones[*bone as usize].verdict {
-            Verdict::Good => PALETTE[0],
-            Verdict::Doubtful => DOUBTFUL,
-            Verdict::Failed => FAILED,
-        };
-        skeleton.bone_of_vertex().iter().map(colour).collect()
-    }
-
-    fn page(&self, template: &Skeleton, found: &Registered) -> String {
+    fn page(&self, pictures: &str) -> String {
         let head = format!(
             "<h1>Registration</h1>\n<h2 class=\"{}\">{}</h2>\n\
              <p>{} bones, {} joints; {} iterations in {:.2} s; mean residual {:.3}.</p>\n",
@@ -160,29 +137,11 @@ impl RegisterReport {
         let body = [
             head,
             notes(&self.warnings),
-            self.pictures(template, found),
+            pictures.to_owned(),
             format!("<h2>Bones</h2>\n{}<h2>Joints</h2>\n{}", self.bone_table(), self.joint_table()),
             self.landmark_table(),
         ];
         html::page("registration", "the template's", &body.concat())
-    }
-
-    fn pictures(&self, template: &Skeleton, found: &Registered) -> String {
-        let pictures = [
-            ("Template", template, palette(template)),
-            ("Person", &found.skeleton, palette(&found.skeleton)),
-            ("Verdict", &found.skeleton, self.verdict_colours(&found.skeleton)),
-        ];
-        let part = |(title, skeleton, colours): (&str, &Skeleton, Vec<Colour>)| {
-            let key = match title {
-                "Verdict" => "<p>Pale: good. Orange: doubtful. Red: failed.</p>\n",
-                _ => "",
-            };
-            let views = [View::Front, View::Side]
-                .map(|view| image(&picture(skeleton, &colours, view), title));
-            format!("<h2>{title}</h2>\n{key}{}", views.concat())
-        };
-        pictures.map(part).concat()
     }
 
     fn bone_table(&self) -> String {
@@ -259,14 +218,4 @@ fn landmark_summaries(
         LandmarkSummary { name: name.clone(), bone, distance: *distance }
     };
     named.map(summary).collect()
-}
-
-/// A colour for each vertex, by its bone.
-fn palette(skeleton: &Skeleton) -> Vec<Colour> {
-    skeleton.bone_of_vertex().iter().map(|&b| PALETTE[b as usize % PALETTE.len()]).collect()
-}
-
-fn picture(skeleton: &Skeleton, colours: &[Colour], view: View) -> Vec<u8> {
-    let mesh = TriMesh { points: skeleton.points.clone(), triangles: skeleton.triangles.clone() };
-    draw(&mesh, colours, &[], &mesh.points, view)
 }

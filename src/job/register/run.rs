@@ -69,7 +69,7 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
             output::write(folder, job, &files, &registered, &carried, motion.as_ref())?;
     }
     if let Some(folder) = &job.report {
-        report.write(folder, &files.skeleton, &registered)?;
+        report.write(folder, &files.skeleton, &target, &registered)?;
     }
     run.enter("done", 1.0);
     Ok(RegisterResult { report, registered })

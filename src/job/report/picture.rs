@@ -1,6 +1,7 @@
 //! Small pictures of a surface with markers: a z-buffer, written as PNG.
 
 use super::png_file::png;
+use super::ramp::Colour;
 use crate::math::Vec3;
 use crate::mesh::{TriMesh, bounding_box};
 
@@ -14,9 +15,6 @@ const MARGIN: f64 = 0.06;
 const DOT: f64 = 3.0;
 /// Light that comes from everywhere.
 const AMBIENT: f64 = 0.35;
-
-/// A colour, 0 to 1 each.
-pub type Colour = [f64; 3];
 
 /// From where a picture is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,7 @@ pub(crate) mod fill;
 pub(crate) mod inputs;
 pub(crate) mod output;
 pub(crate) mod page;
+pub(crate) mod pictures;
 pub(crate) mod plots;
 pub(crate) mod report;
 pub(crate) mod result;

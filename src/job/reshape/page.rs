@@ -1,18 +1,12 @@
 //! The report of a reshaping as a page.
 
+use super::pictures::pictures;
 use super::plots;
 use super::report::{Change, Ending, PairLine, Report, Shapes};
 use crate::io::markup::escaped;
 use crate::job::report::html::{self, Column, figure, marked, notes, number, picture, table};
-use crate::job::report::picture::{Colour, Dot, View, draw};
 use crate::job::report::stages;
-use crate::math::Vec3;
 use crate::measure::Spread;
-use crate::mesh::TriMesh;
-
-const SKIN: Colour = [0.86, 0.80, 0.74];
-const MARKER: Colour = [0.10, 0.30, 0.80];
-const FAR_MARKER: Colour = [0.85, 0.10, 0.10];
 
 /// The page of a report.
 pub fn page(report: &Report, shapes: &Shapes) -> String {
@@ -46,9 +40,9 @@ pub fn page(report: &Report, shapes: &Shapes) -> String {
             escaped(&report.why)
         ),
         notes(&report.warnings),
-        figures(report),
         pictures(report, shapes),
         slices(report),
+        format!("<h2>Figures</h2>\n{}", figures(report)),
         format!("<h2>Course</h2>\n<div class=\"row\">{}</div>\n", plots.concat()),
         pairs("Landmarks", &report.landmarks),
         pairs("Attachments", &report.attachments),
@@ -136,63 +130,6 @@ fn fit_figures(report: &Report) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn pictures(report: &Report, shapes: &Shapes) -> String {
-    let frame: Vec<Vec3> =
-        shapes.before.iter().chain(shapes.after).chain(shapes.markers).copied().collect();
-    let skin = vec![SKIN; shapes.before.len()];
-    let dots = |distances: &[f64]| -> Vec<Dot> {
-        let far = FAR_TOLERANCES * report.tolerance;
-        let colour = |d: f64| if d > far { FAR_MARKER } else { MARKER };
-        let markers = shapes.markers.iter().zip(distances);
-        markers.map(|(&position, &d)| Dot { position, colour: colour(d) }).collect()
-    };
-    let stretch: Vec<Colour> = shapes.stretch.iter().map(|&s| stretch_colour(s)).collect();
-    let mut rows = vec![
-        (
-            shapes.before,
-            &skin,
-            dots(&report.marker_distances.before),
-            "Template and markers".to_owned(),
-        ),
-        (
-            shapes.after,
-            &skin,
-            dots(&report.marker_distances.after),
-            "Result and markers".to_owned(),
-        ),
-        (
-            shapes.after,
-            &stretch,
-            Vec::new(),
-            "Result, largest stretch: blue 0.5, grey 1, red 2".to_owned(),
-        ),
-    ];
-    let limit = report.deviations.as_ref().map_or(0.0, |deviations| deviations.sd_normal.p95);
-    let doubt: Vec<Colour> =
-        shapes.sd_normal.into_iter().flatten().map(|sd| doubt_colour(sd / limit)).collect();
-    if shapes.sd_normal.is_some() {
-        let caption = format!(
-            "How sure it is, standard deviation across the surface: white 0, purple {} or more",
-            number(limit)
-        );
-        rows.push((shapes.after, &doubt, dots(&report.marker_distances.after), caption));
-    }
-    let mut text = String::from("<h2>Shape</h2>\n");
-    for (points, colours, dots, caption) in rows {
-        let mesh = TriMesh { points: points.to_vec(), triangles: shapes.triangles.to_vec() };
-        text.push_str("<div class=\"row\">");
-        for (view, from) in [(View::Front, "from the front"), (View::Side, "from the right")] {
-            let png = draw(&mesh, colours, &dots, &frame, view);
-            text.push_str(&picture(&png, &format!("{caption}; {from} (z up)")));
-        }
-        text.push_str("</div>\n");
-    }
-    text.push_str(
-        "<p>Red markers are more than three tolerances off. Faint ones are behind.</p>\n",
-    );
-    text
-}
-
 /// The result on slices of the person's image.
 fn slices(report: &Report) -> String {
     if report.slices.is_empty() {
@@ -205,23 +142,6 @@ fn slices(report: &Report) -> String {
          <p>Green: result, orange: template{label}, red: markers near the slice.</p>\n",
         pictures.collect::<String>()
     )
-}
-
-/// Markers beyond so many tolerances are drawn in red.
-const FAR_TOLERANCES: f64 = 3.0;
-
-/// Blue at 1/2, grey at 1, red at 2, logarithmic.
-fn stretch_colour(stretch: f64) -> Colour {
-    let along = stretch.max(f64::MIN_POSITIVE).log2().clamp(-1.0, 1.0);
-    let end = if along > 0.0 { [0.85, 0.15, 0.10] } else { [0.15, 0.30, 0.85] };
-    [0, 1, 2].map(|k| 0.82 + along.abs() * (end[k] - 0.82))
-}
-
-/// White at 0, purple at 1 and beyond.
-fn doubt_colour(share: f64) -> Colour {
-    let along = share.clamp(0.0, 1.0);
-    let [near, far] = [[0.96, 0.96, 0.93], [0.42, 0.10, 0.55]];
-    [0, 1, 2].map(|k| near[k] + along * (far[k] - near[k]))
 }
 
 fn pairs(title: &str, list: &[PairLine]) -> String {

@@ -9,7 +9,8 @@ use crate::job::report::stages::Stage;
 use crate::math::Vec3;
 use crate::measure::LabelFit;
 use crate::measure::Spread;
-use crate::reshape::{IterationRecord, Refinement, Remesh};
+use crate::reshape::Tolerances;
+use crate::reshape::{IterationRecord, Pair, Refinement, Remesh};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -176,6 +177,12 @@ pub struct Shapes<'a> {
     pub sd_normal: Option<&'a [f64]>,
     /// The markers.
     pub markers: &'a [Vec3],
+    /// Landmarks.
+    pub landmarks: &'a [Pair],
+    /// Attachments.
+    pub attachments: &'a [Pair],
+    /// What they are to be met by.
+    pub tolerances: Tolerances,
 }
 
 #[cfg(test)]

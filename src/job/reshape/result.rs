@@ -119,6 +119,9 @@ impl Outcome {
             stretch: &self.stretch.0,
             sd_normal: self.uncertainty.as_ref().map(|u| &u.sd_normal[..]),
             markers: &self.markers,
+            landmarks: &inputs.landmarks,
+            attachments: &inputs.attachments,
+            tolerances: self.tolerances,
         }
     }
 

@@ -1,0 +1,102 @@
+//! The bones of a report: a view that turns, and still pictures of the same.
+
+use super::report::RegisterReport;
+use crate::job::report::html::image;
+use crate::job::report::picture::{View, draw};
+use crate::job::report::ramp::{Colour, Ramp};
+use crate::job::report::view3d::View3d;
+use crate::measure::Spread;
+use crate::mesh::TriMesh;
+use crate::register::summary::BoneSummary;
+use crate::register::{Registered, Skeleton, Target, Verdict};
+
+/// Colours of neighbouring bones.
+const PALETTE: [Colour; 6] = [
+    [0.90, 0.86, 0.74],
+    [0.55, 0.75, 0.92],
+    [0.95, 0.70, 0.55],
+    [0.65, 0.85, 0.60],
+    [0.85, 0.65, 0.85],
+    [0.80, 0.80, 0.80],
+];
+/// Of a distance to the target, after viridis; 1 is the 95th percentile.
+const DISTANCE: [(f64, Colour); 3] =
+    [(0.0, [0.27, 0.00, 0.33]), (0.5, [0.13, 0.57, 0.55]), (1.0, [0.99, 0.91, 0.14])];
+
+fn verdict_colour(verdict: Verdict) -> Colour {
+    match verdict {
+        Verdict::Good => PALETTE[0],
+        Verdict::Doubtful => [0.95, 0.65, 0.10],
+        Verdict::Failed => [0.80, 0.10, 0.10],
+    }
+}
+
+pub(super) fn pictures(
+    report: &RegisterReport,
+    template: &Skeleton,
+    target: &Target,
+    found: &Registered,
+) -> String {
+    let view = turning(report, template, target, found);
+    format!("<h2>Shape</h2>\n{}", view.html(&still(report, template, &found.skeleton)))
+}
+
+fn turning(
+    report: &RegisterReport,
+    template: &Skeleton,
+    target: &Target,
+    found: &Registered,
+) -> View3d {
+    let mut view = View3d::between(["template", "person"]);
+    let person = &found.skeleton;
+    let bones = || template.bones.iter().enumerate();
+    for (b, bone) in bones() {
+        let before = template.bone_surface(b, &template.points);
+        let after = &person.points[bone.vertices.clone()];
+        view.part(&bone.name, &before.triangles, &[&before.points, after]);
+    }
+    for surface in target.surfaces() {
+        view.clear_part("target", &surface.triangles, &surface.points);
+    }
+    let names = bones().map(|(b, bone)| (bone.name.clone(), palette(b))).collect();
+    view.by_class("Bones", "", names, 0..template.bones.len());
+    let verdicts = [Verdict::Good, Verdict::Doubtful, Verdict::Failed];
+    let classes = verdicts.map(|v| (v.name().to_owned(), verdict_colour(v))).to_vec();
+    let of_bone = |b: &BoneSummary| verdicts.iter().position(|v| *v == b.verdict).unwrap_or(0);
+    view.by_class("Verdict", "verdict", classes, report.bones.iter().map(of_bone));
+    let distances = target.distances(person);
+    let known: Vec<f64> = distances.iter().copied().filter(|d| !d.is_nan()).collect();
+    if !known.is_empty() {
+        let ramp = Ramp::scaled(&DISTANCE, Spread::of(&known).p95);
+        let of_bones: Vec<&[f64]> =
+            bones().map(|(_, bone)| &distances[bone.vertices.clone()]).collect();
+        view.by_value("Distance", "distance to the target".to_owned(), &ramp, &of_bones);
+    }
+    view
+}
+
+fn still(report: &RegisterReport, template: &Skeleton, person: &Skeleton) -> String {
+    let verdict = |bone: usize| verdict_colour(report.bones[bone].verdict);
+    let pictures = [
+        ("Template", "", template, colours(template, palette)),
+        ("Person", "", person, colours(person, palette)),
+        ("Verdict", "Pale: good. Orange: doubtful. Red: failed.", person, colours(person, verdict)),
+    ];
+    let part = |(title, key, skeleton, colours): (&str, &str, &Skeleton, Vec<Colour>)| {
+        let mesh =
+            TriMesh { points: skeleton.points.clone(), triangles: skeleton.triangles.clone() };
+        let picture = |view| image(&draw(&mesh, &colours, &[], &mesh.points, view), title);
+        let views = [View::Front, View::Side].map(picture);
+        format!("<h3>{title}</h3>\n<p>{key}</p>\n{}", views.concat())
+    };
+    pictures.map(part).concat()
+}
+
+fn palette(bone: usize) -> Colour {
+    PALETTE[bone % PALETTE.len()]
+}
+
+/// A colour for each vertex, by its bone.
+fn colours(skeleton: &Skeleton, of_bone: impl Fn(usize) -> Colour) -> Vec<Colour> {
+    skeleton.bone_of_vertex().iter().map(|&b| of_bone(b as usize)).collect()
+}
