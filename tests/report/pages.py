@@ -75,10 +75,10 @@ class Pages(unittest.TestCase):
         if browser is None:
             page.wait_for_function(f"{READY} || document.querySelector('.missing')")
             self.assertEqual((self.wrong, page.locator(".missing figcaption").all_inner_texts()), ([], []))
+            seconds = page.evaluate("performance.getEntriesByName('moulage-view')[0].startTime / 1000")
+            print(f"{name}: {file.stat().st_size / 1e6:.2f} MB, drawn after {seconds:.2f} s", flush=True)
         self.assertEqual([url for url in self.asked if not url.startswith("blob:")], [file.as_uri()])
         self.addCleanup(page.close)
-        drawn = page.evaluate("performance.getEntriesByName('moulage-view')[0]?.startTime")
-        print(f"{name}: {file.stat().st_size / 1e6:.2f} MB, drawn after {drawn} ms", flush=True)
         self.canvas = page.locator(".view3d canvas")
         return page
 

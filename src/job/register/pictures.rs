@@ -1,6 +1,5 @@
 //! The bones of a report: a view that turns, and still pictures of the same.
 
-use super::report::RegisterReport;
 use crate::job::report::html::image;
 use crate::job::report::picture::{View, draw};
 use crate::job::report::ramp::{Colour, Ramp};
@@ -31,22 +30,12 @@ fn verdict_colour(verdict: Verdict) -> Colour {
     }
 }
 
-pub(super) fn pictures(
-    report: &RegisterReport,
-    template: &Skeleton,
-    target: &Target,
-    found: &Registered,
-) -> String {
-    let view = turning(report, template, target, found);
-    format!("<h2>Shape</h2>\n{}", view.html(&still(report, template, &found.skeleton)))
+pub(super) fn pictures(template: &Skeleton, target: &Target, found: &Registered) -> String {
+    let view = turning(template, target, found);
+    format!("<h2>Shape</h2>\n{}", view.html(&still(template, found)))
 }
 
-fn turning(
-    report: &RegisterReport,
-    template: &Skeleton,
-    target: &Target,
-    found: &Registered,
-) -> View3d {
+fn turning(template: &Skeleton, target: &Target, found: &Registered) -> View3d {
     let mut view = View3d::between(["template", "person"]);
     let person = &found.skeleton;
     let bones = || template.bones.iter().enumerate();
@@ -55,15 +44,17 @@ fn turning(
         let after = &person.points[bone.vertices.clone()];
         view.part(&bone.name, &before.triangles, &[&before.points, after]);
     }
-    for surface in target.surfaces() {
-        view.clear_part("target", &surface.triangles, &surface.points);
+    let mut whole = TriMesh::default();
+    target.surfaces().for_each(|surface| whole.append(surface));
+    if !whole.triangles.is_empty() {
+        view.clear_part("target", &whole.triangles, &whole.points);
     }
     let names = bones().map(|(b, bone)| (bone.name.clone(), palette(b))).collect();
     view.by_class("Bones", "", names, 0..template.bones.len());
     let verdicts = [Verdict::Good, Verdict::Doubtful, Verdict::Failed];
     let classes = verdicts.map(|v| (v.name().to_owned(), verdict_colour(v))).to_vec();
     let of_bone = |b: &BoneSummary| verdicts.iter().position(|v| *v == b.verdict).unwrap_or(0);
-    view.by_class("Verdict", "verdict", classes, report.bones.iter().map(of_bone));
+    view.by_class("Verdict", "verdict", classes, found.bones.iter().map(of_bone));
     let distances = target.distances(person);
     let known: Vec<f64> = distances.iter().copied().filter(|d| !d.is_nan()).collect();
     if !known.is_empty() {
@@ -75,8 +66,9 @@ fn turning(
     view
 }
 
-fn still(report: &RegisterReport, template: &Skeleton, person: &Skeleton) -> String {
-    let verdict = |bone: usize| verdict_colour(report.bones[bone].verdict);
+fn still(template: &Skeleton, found: &Registered) -> String {
+    let person = &found.skeleton;
+    let verdict = |bone: usize| verdict_colour(found.bones[bone].verdict);
     let pictures = [
         ("Template", "", template, colours(template, palette)),
         ("Person", "", person, colours(person, palette)),

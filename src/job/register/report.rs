@@ -119,7 +119,7 @@ impl RegisterReport {
         target: &Target,
         found: &Registered,
     ) -> Result<()> {
-        write_report(folder, self, &self.page(&pictures(self, template, target, found)))
+        write_report(folder, self, &self.page(&pictures(template, target, found)))
     }
 
     fn page(&self, pictures: &str) -> String {

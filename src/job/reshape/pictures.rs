@@ -59,7 +59,7 @@ fn turning(report: &Report, shapes: &Shapes, colours: &Colours) -> View3d {
     let distances = &report.marker_distances;
     if !shapes.markers.is_empty() {
         let near = interpolate(shapes.markers, &distances.after, shapes.after);
-        let title = "distance of the nearest markers".to_owned();
+        let title = "distance of the markers".to_owned();
         view.by_value("Distance", title, &colours.distance, &[&near]);
     }
     if let Some(deviations) = shapes.sd_normal {

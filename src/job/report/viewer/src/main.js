@@ -1,4 +1,4 @@
-// Fills each figure of class view3d in a report with a view that can be turned.
+// Fills the figure of class view3d in a report with a view that can be turned.
 
 import { readShapes } from "./shapes.js";
 import { Stage } from "./stage.js";
@@ -18,4 +18,4 @@ async function start(figure) {
     }
 }
 
-document.querySelectorAll("figure.view3d").forEach(start);
+start(document.querySelector("figure.view3d"));

@@ -2,13 +2,13 @@
 
 import { colourAt, css } from "./colours.js";
 
-const SIDES = { front: [0, 1, 0], right: [1, 0, 0], back: [0, -1, 0], left: [-1, 0, 0], top: [0, 0, 1], bottom: [0, 0, -1] };
+// Of a template in anatomical position with z up; seen from the top, its front is below.
+const SIDES = { front: [0, 1, 0], right: [1, 0, 0], back: [0, -1, 0], left: [-1, 0, 0], top: [0, 1e-3, 1], bottom: [0, 1e-3, -1] };
 
 export class Panel {
     constructor(figure, stage, shapes) {
         this.stage = stage;
         this.shapes = shapes;
-        this.figure = figure;
         this.legend = element("div", { className: "legend" });
         this.under = element("div", { className: "under" });
         figure.querySelector(".stage").append(this.legend, this.under);
@@ -22,9 +22,8 @@ export class Panel {
     }
 
     colourings() {
-        const name = `colours-${Math.random()}`;
         const choices = this.shapes.colourings.map((colouring, k) => {
-            const input = element("input", { type: "radio", name, checked: k === 0, onchange: () => this.choose(colouring) });
+            const input = element("input", { type: "radio", name: "colours", checked: k === 0, onchange: () => this.choose(colouring) });
             return element("label", {}, input, colouring.name);
         });
         return element("span", { className: "group" }, ...choices);
@@ -33,15 +32,25 @@ export class Panel {
     choose(colouring) {
         this.colouring = colouring;
         this.stage.paint(colouring);
-        this.legend.replaceChildren(...(colouring.stops ? scale(colouring) : classes(colouring)));
-        this.shapes.dots.forEach((dots) => this.legend.append(...scale(dots)));
+        this.explain();
+    }
+
+    // A scale that colours and dots share is shown once.
+    explain() {
+        const { stops, title } = this.colouring;
+        const dots = this.shapes.dots.filter((dots, k) => this.stage.dots[k].visible && dots.title !== title);
+        this.legend.replaceChildren(...(stops ? scale(this.colouring) : classes(this.colouring)), ...dots.flatMap(scale));
     }
 
     // Dots and surfaces seen through.
     toggles() {
         const toggle = (name, object) => {
             const input = element("input", { type: "checkbox", checked: object.visible });
-            input.onchange = () => this.stage.show(object, input.checked);
+            input.onchange = () => {
+                object.visible = input.checked;
+                this.stage.draw();
+                this.explain();
+            };
             return element("label", {}, input, name);
         };
         const clear = this.shapes.parts.flatMap((part, k) => (part.clear ? [toggle(part.name, this.stage.parts[k])] : []));
@@ -67,21 +76,19 @@ export class Panel {
 
     // A list with a box for each part.
     parts() {
-        const boxes = this.shapes.parts.flatMap((part, k) => {
-            if (part.clear) {
-                return [];
-            }
-            const input = element("input", { type: "checkbox", checked: true });
-            input.onchange = () => this.stage.show(this.stage.parts[k], input.checked);
-            return [element("label", {}, input, part.name)];
-        });
-        const all = (checked) => () => boxes.forEach((box) => {
-            const input = box.querySelector("input");
-            if (input.checked !== checked) {
-                input.click();
-            }
-        });
+        const solid = this.shapes.parts.filter((part) => !part.clear);
+        const inputs = solid.map(() => element("input", { type: "checkbox", checked: true }));
+        const show = () => {
+            inputs.forEach((input, k) => (this.stage.parts[k].visible = input.checked));
+            this.stage.draw();
+        };
+        inputs.forEach((input) => (input.onchange = show));
+        const all = (checked) => () => {
+            inputs.forEach((input) => (input.checked = checked));
+            show();
+        };
         const button = (text, checked) => element("button", { type: "button", onclick: all(checked) }, text);
+        const boxes = solid.map((part, k) => element("label", {}, inputs[k], part.name));
         return element("details", { className: "parts" }, element("summary", {}, `${boxes.length} parts`),
             element("p", {}, button("show all", true), button("hide all", false)), element("div", {}, ...boxes));
     }
@@ -125,7 +132,7 @@ function classes({ title, classes }) {
 }
 
 function number(value) {
-    return Number.isNaN(value) ? "no marker near" : String(Number(value.toPrecision(3)));
+    return Number.isNaN(value) ? "not known" : String(Number(value.toPrecision(3)));
 }
 
 function element(name, properties, ...content) {

@@ -103,12 +103,10 @@ export class Stage {
     // Shows all from a direction.
     lookFrom(direction) {
         const { center, radius } = this.bounds;
-        // Not along the axis that is up, where the camera's sides would be undefined.
-        const towards = new Vector3(...direction).addScaledVector(new Vector3(0, 1e-3, 0), 1).normalize();
         const narrow = Math.min(1, this.camera.aspect);
         const distance = (1.05 * radius) / Math.sin((FIELD_OF_VIEW / 2) * (Math.PI / 180)) / narrow;
         this.controls.target.copy(center);
-        this.camera.position.copy(center).addScaledVector(towards, distance);
+        this.camera.position.set(...direction).setLength(distance).add(center);
         this.controls.update();
         this.draw();
     }
@@ -152,11 +150,6 @@ export class Stage {
             const stops = paint === values ? colouring.stops : [[0, colouring.classes[paint][1]]];
             this.parts[k].geometry.setAttribute("color", new BufferAttribute(coloursOf(stops, values), 3));
         });
-        this.draw();
-    }
-
-    show(object, visible) {
-        object.visible = visible;
         this.draw();
     }
 
