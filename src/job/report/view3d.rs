@@ -177,7 +177,7 @@ impl View3d {
     }
 
     /// Whether a page cannot hold it.
-    pub(crate) fn is_too_large(&self) -> bool {
+    fn is_too_large(&self) -> bool {
         self.triangle_count > MOST_TRIANGLES
     }
 
