@@ -122,12 +122,9 @@ impl Target {
         for part in self.parts(skeleton.bones.len()) {
             for bone in part.bones {
                 let vertices = skeleton.bones[bone].vertices.clone();
-                let points = &skeleton.points[vertices.clone()];
-                let closest = part.surface.search.closest_many(points);
-                for (distance, (p, found)) in
-                    distances[vertices].iter_mut().zip(points.iter().zip(closest))
-                {
-                    *distance = found.map_or(f64::NAN, |found| (found.position - p).norm());
+                let hits = part.surface.search.closest_many(&skeleton.points[vertices.clone()]);
+                for (distance, hit) in distances[vertices].iter_mut().zip(hits) {
+                    *distance = hit.map_or(f64::NAN, |hit| hit.distance);
                 }
             }
         }

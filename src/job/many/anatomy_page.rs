@@ -6,10 +6,10 @@ use super::anatomy_report::{AnatomyReport, ObjectLine};
 use super::case::Status;
 use crate::error::Result;
 use crate::io::markup::escaped;
-use crate::io::read_surface;
+use crate::io::{read_surface, stem};
 use crate::job::report::html::{self, Column, image, marked, notes, table};
 use crate::job::report::picture::{View, draw};
-use crate::job::report::ramp::Colour;
+use crate::job::report::ramp::{Colour, DOUBTFUL, FAILED};
 use crate::job::report::stages;
 use crate::job::report::view3d::View3d;
 use crate::job::separate::SeparationReport;
@@ -19,7 +19,7 @@ use crate::separate::{MovedBody, OverlapLine};
 
 const BONE: Colour = [0.88, 0.86, 0.80];
 /// Colours of what is good, doubtful and failed.
-const VERDICTS: [Colour; 3] = [[0.45, 0.68, 0.40], [0.95, 0.65, 0.10], [0.80, 0.10, 0.10]];
+const VERDICTS: [Colour; 3] = [[0.45, 0.68, 0.40], DOUBTFUL, FAILED];
 /// Colours of objects, one after the other.
 const PALETTE: [Colour; 8] = [
     [0.80, 0.36, 0.34],
@@ -36,8 +36,8 @@ const PALETTE: [Colour; 8] = [
 pub(crate) fn page(report: &AnatomyReport, out: &Path, bones: &[PathBuf]) -> Result<String> {
     let mut shown = Vec::new();
     for path in bones {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        shown.push(Shown { name, mesh: read_surface(path)?.mesh()?, colour: BONE, status: None });
+        let mesh = read_surface(path)?.mesh()?;
+        shown.push(Shown { name: stem(path), mesh, colour: BONE, status: None });
     }
     for (k, object) in report.objects.iter().enumerate() {
         if let Some(path) = &object.surface {

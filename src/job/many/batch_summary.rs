@@ -11,10 +11,9 @@ use crate::io::stem;
 use crate::io::{SurfaceFile, read_surface, write_beside};
 use crate::job::report::html::{self, Column, marked, picture};
 use crate::job::report::picture::{View, draw};
-use crate::job::report::ramp::Colour;
+use crate::job::report::ramp::SKIN;
 use crate::mesh::TriMesh;
 
-const SKIN: Colour = [0.86, 0.80, 0.74];
 /// Modes that are drawn and written as surfaces.
 const MODES: usize = 3;
 /// Standard deviations of the drawn shapes.

@@ -2,7 +2,7 @@
 
 use crate::job::report::html::image;
 use crate::job::report::picture::{View, draw};
-use crate::job::report::ramp::{Colour, Ramp};
+use crate::job::report::ramp::{Colour, DOUBTFUL, FAILED, Ramp};
 use crate::job::report::view3d::View3d;
 use crate::measure::Spread;
 use crate::mesh::TriMesh;
@@ -25,8 +25,8 @@ const DISTANCE: [(f64, Colour); 3] =
 fn verdict_colour(verdict: Verdict) -> Colour {
     match verdict {
         Verdict::Good => PALETTE[0],
-        Verdict::Doubtful => [0.95, 0.65, 0.10],
-        Verdict::Failed => [0.80, 0.10, 0.10],
+        Verdict::Doubtful => DOUBTFUL,
+        Verdict::Failed => FAILED,
     }
 }
 

@@ -1,10 +1,15 @@
-//! Colours of values.
+//! Colours of pages: of what has no value, and of values.
 
 use serde::{Serialize, Serializer};
 
 /// A colour, red, green and blue, 0 to 1 each.
 pub type Colour = [f64; 3];
 
+/// A surface that shows nothing but its shape.
+pub(crate) const SKIN: Colour = [0.86, 0.80, 0.74];
+/// What may be wrong, and what is.
+pub(crate) const DOUBTFUL: Colour = [0.95, 0.65, 0.10];
+pub(crate) const FAILED: Colour = [0.80, 0.10, 0.10];
 /// Where a value is not known.
 pub(crate) const UNKNOWN: Colour = [0.55; 3];
 

@@ -101,12 +101,7 @@ impl View3d {
 
     fn add(&mut self, name: &str, triangles: &[[u32; 3]], points: &[&[Vec3]], clear: bool) {
         self.triangle_count += triangles.len();
-        if self.is_too_large() {
-            return;
-        }
-        let first = self.numbers.len() / 4;
-        self.numbers.extend(triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
-        let triangles = [first, 3 * triangles.len()];
+        let triangles = self.store(triangles.iter().flatten().map(|v| v.to_le_bytes()));
         let points = points.iter().map(|points| self.places(points)).collect();
         self.parts.push(Part { name: name.to_owned(), triangles, points, clear });
     }
@@ -119,12 +114,9 @@ impl View3d {
         ramp: &Ramp,
         values: &[&[f64]],
     ) {
-        if !self.is_too_large() {
-            let parts =
-                values.iter().map(|v| Paint::Values(self.floats(v.iter().copied()))).collect();
-            let stops = Some(ramp.clone());
-            self.colourings.push(Colouring { name, title, stops, classes: Vec::new(), parts });
-        }
+        let parts = values.iter().map(|v| Paint::Values(self.floats(v.iter().copied()))).collect();
+        let stops = Some(ramp.clone());
+        self.colourings.push(Colouring { name, title, stops, classes: Vec::new(), parts });
     }
 
     /// Colours by classes: their names with their colours, and the class of each part. Without a title
@@ -155,7 +147,7 @@ impl View3d {
         ramp: &Ramp,
         values: [&[f64]; 2],
     ) {
-        if !self.is_too_large() && !points.is_empty() {
+        if !points.is_empty() {
             let title = format!("distance of the {name}");
             let points = self.places(points);
             let values = values.map(|v| self.floats(v.iter().copied()));
@@ -171,8 +163,15 @@ impl View3d {
     }
 
     fn floats(&mut self, values: impl Iterator<Item = f64>) -> Span {
+        self.store(values.map(|v| (v as f32).to_le_bytes()))
+    }
+
+    /// Adds numbers to the block; nothing for a page that will not hold them.
+    fn store(&mut self, numbers: impl Iterator<Item = [u8; 4]>) -> Span {
         let first = self.numbers.len() / 4;
-        self.numbers.extend(values.flat_map(|v| (v as f32).to_le_bytes()));
+        if !self.is_too_large() {
+            self.numbers.extend(numbers.flatten());
+        }
         [first, self.numbers.len() / 4 - first]
     }
 

@@ -3,18 +3,16 @@
 use super::report::{PairLine, Report, Shapes};
 use crate::job::report::html::{number, picture};
 use crate::job::report::picture::{Dot, View, draw};
-use crate::job::report::ramp::{Colour, Ramp};
+use crate::job::report::ramp::{Colour, Ramp, SKIN};
 use crate::job::report::view3d::View3d;
 use crate::math::Vec3;
 use crate::measure::interpolate;
 use crate::mesh::TriMesh;
-use crate::reshape::Pair;
-use crate::reshape::Tolerances;
+use crate::reshape::{Pair, Tolerances};
 
 /// Diameter in pixels.
 const MARKER: u32 = 7;
 const LANDMARK: u32 = 12;
-const SKIN: Colour = [0.86, 0.80, 0.74];
 /// Of a stretch.
 const STRETCH: [(f64, Colour); 3] =
     [(0.5, [0.15, 0.30, 0.85]), (1.0, [0.82, 0.82, 0.82]), (2.0, [0.85, 0.15, 0.10])];
@@ -94,13 +92,13 @@ fn still(report: &Report, shapes: &Shapes, colours: &Colours) -> String {
     };
     let distances = &report.marker_distances;
     let (before, after) = (dots(&distances.before), dots(&distances.after));
+    let (none, stretch) = (Vec::new(), colours.stretch.colours(shapes.stretch));
+    let stretch_caption = "Result, largest stretch: blue 0.5, grey 1, red 2";
     let mut rows = vec![
         (shapes.before, skin.clone(), &before, "Template and markers".to_owned()),
         (shapes.after, skin, &after, "Result and markers".to_owned()),
+        (shapes.after, stretch, &none, stretch_caption.to_owned()),
     ];
-    let none = Vec::new();
-    let caption = "Result, largest stretch: blue 0.5, grey 1, red 2".to_owned();
-    rows.push((shapes.after, colours.stretch.colours(shapes.stretch), &none, caption));
     if let Some(deviations) = shapes.sd_normal {
         let caption = format!(
             "How sure it is, standard deviation across the surface: white 0, purple {} or more",

@@ -9,8 +9,7 @@ use crate::job::report::stages::Stage;
 use crate::math::Vec3;
 use crate::measure::LabelFit;
 use crate::measure::Spread;
-use crate::reshape::Tolerances;
-use crate::reshape::{IterationRecord, Pair, Refinement, Remesh};
+use crate::reshape::{IterationRecord, Pair, Refinement, Remesh, Tolerances};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -39,17 +39,18 @@ export class Stage {
         this.parts = shapes.parts.map((part) => this.mesh(part));
         this.dots = shapes.dots.map((dots) => this.markers(dots));
         this.controls = this.turning();
-        this.bounds = new Sphere();
-        this.moveTo(1);
+        this.measure();
+        this.resize();
         this.lookFrom([0, 1, 0]);
         new ResizeObserver(() => this.resize()).observe(canvas);
-        this.resize();
     }
 
     mesh(part) {
         const geometry = new BufferGeometry();
         geometry.setIndex(new BufferAttribute(part.triangles, 1));
-        geometry.setAttribute("position", new BufferAttribute(part.points[0].slice(), 3));
+        geometry.setAttribute("position", new BufferAttribute(part.points.at(-1).slice(), 3));
+        geometry.computeVertexNormals();
+        geometry.computeBoundingSphere();
         const clear = { color: CLEAR, transparent: true, opacity: 0.35, depthWrite: false };
         const look = part.clear ? clear : { vertexColors: true };
         const mesh = new Mesh(geometry, new MeshLambertMaterial({ side: DoubleSide, ...look }));
@@ -62,7 +63,7 @@ export class Stage {
     markers({ points, size, stops, values }) {
         const geometry = new BufferGeometry();
         geometry.setAttribute("position", new BufferAttribute(points, 3));
-        geometry.setAttribute("color", new BufferAttribute(coloursOf(stops, values[0]), 3));
+        geometry.setAttribute("color", new BufferAttribute(coloursOf(stops, values.at(-1)), 3));
         const look = { size: size * devicePixelRatio, sizeAttenuation: false, vertexColors: true, alphaTest: 0.5, map: disc() };
         const seen = new Points(geometry, new PointsMaterial(look));
         seen.material.onBeforeCompile = (shader) => {
@@ -108,21 +109,18 @@ export class Stage {
         this.controls.target.copy(center);
         this.camera.position.set(...direction).setLength(distance).add(center);
         this.controls.update();
-        this.draw();
     }
 
     // Shapes at share `t` of their way; the camera goes along.
     moveTo(t) {
-        const before = this.bounds;
-        this.bounds = new Sphere().makeEmpty();
-        this.parts.forEach((mesh, k) => {
-            const { position } = mesh.geometry.attributes;
-            position.array.set(between(this.shapes.parts[k].points, t));
-            position.needsUpdate = true;
-            mesh.geometry.computeVertexNormals();
-            mesh.geometry.computeBoundingSphere();
-            if (!this.shapes.parts[k].clear) {
-                this.bounds.union(mesh.geometry.boundingSphere);
+        this.parts.forEach(({ geometry }, k) => {
+            const { points } = this.shapes.parts[k];
+            if (points.length > 1) {
+                const { position } = geometry.attributes;
+                position.array.set(between(points, t));
+                position.needsUpdate = true;
+                geometry.computeVertexNormals();
+                geometry.computeBoundingSphere();
             }
         });
         this.dots.forEach((group, k) => {
@@ -131,17 +129,27 @@ export class Stage {
             color.array.set(coloursOf(stops, between(values, t)));
             color.needsUpdate = true;
         });
+        const before = this.bounds;
+        this.measure();
         const { center, radius } = this.bounds;
-        if (before.radius > 0) {
-            const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(radius / before.radius);
-            this.controls.target.add(center).sub(before.center);
-            this.camera.position.copy(this.controls.target).add(offset);
+        const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(radius / before.radius);
+        this.controls.target.add(center).sub(before.center);
+        this.camera.position.copy(this.controls.target).add(offset);
+        // A camera that has moved has drawn already.
+        if (!this.controls.update()) {
+            this.draw();
         }
+    }
+
+    // Where the shapes are now, and what the camera has to reach for that.
+    measure() {
+        this.bounds = new Sphere().makeEmpty();
+        const solid = this.parts.filter((_, k) => !this.shapes.parts[k].clear);
+        solid.forEach(({ geometry }) => this.bounds.union(geometry.boundingSphere));
+        const { radius } = this.bounds;
         Object.assign(this.camera, { near: 0.01 * radius, far: 100 * radius });
         Object.assign(this.controls, { minDistance: 0.1 * radius, maxDistance: 20 * radius });
         this.camera.updateProjectionMatrix();
-        this.controls.update();
-        this.draw();
     }
 
     paint(colouring) {
