@@ -176,7 +176,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_osim(
         let model_path = unsafe { buffers::path(model_path, "model_path")? };
         // SAFETY: as above.
         let path = unsafe { buffers::new_path(path, "path")? };
-        let notes = write_osim(&model_path, &object.skeleton, &object.document, &path)?;
+        let notes = write_osim(&model_path, &object.skeleton, &object.document, None, &path)?;
         // SAFETY: as above.
         unsafe { buffers::write_text(&notes.join("\n"), buffer, capacity, out_length) }
     })

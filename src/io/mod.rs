@@ -32,7 +32,6 @@ mod nrrd;
 mod obj;
 mod obj_write;
 pub mod osim;
-pub mod osim_edit;
 mod pairs;
 mod picked_points;
 mod ply;

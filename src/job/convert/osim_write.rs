@@ -1,150 +1,134 @@
 //! A person's skeleton written back into the OpenSim model that its template came from.
 //!
-//! Bodies keep their axes where their own joint is: the joint's frame on the child body stays, the frame
-//! on the parent body takes up the change, so that the model at its default values lies as the person.
-//! Muscle points and markers on a body follow the bone's shape around them.
+//! Bodies keep their axes, joints their coordinates. The model at its default values lies as the person,
+//! and stands where the template stood. Points, masses and lengths along muscles follow the bones.
 
 use std::collections::HashMap;
 use std::path::Path;
 
-use nalgebra::{Isometry3, Point3, Translation3};
+use nalgebra::{Point3, Translation3};
 
-use super::osim_read::read_osim_skeleton;
+use super::osim_person::OsimPerson;
+use super::osim_read::{BodyMeshes, body_meshes, read_osim_skeleton};
 use crate::error::{Error, Result};
-use crate::io::osim::{OsimJoint, OsimModel, parse_osim};
-use crate::io::osim_edit::{OsimChanges, edit_osim};
+use crate::io::osim::edit::{OsimChanges, edit_osim};
+use crate::io::osim::joint::{OsimJoint, Values};
+use crate::io::osim::model::{OsimBody, OsimModel};
+use crate::io::osim::pose::{Places, places};
 use crate::io::skeleton::SkeletonDocument;
-use crate::io::{file_name, read_bytes, write_beside, write_surface};
+use crate::io::{file_name, read_bytes, stem, write_beside, write_surface};
 use crate::job::register::scene::metres_per_unit;
 use crate::job::register::skeleton_build::build_skeleton;
 use crate::math::Vec3;
 use crate::register::Skeleton;
-use crate::register::animation::{joint_angles, joint_rotation};
-use crate::register::areas::vertex_areas;
-use crate::register::joint_frames::follow_shape;
-use crate::register::pose::rigid_targets;
-
-/// Names of joint and coordinate with what changes, and the bodies' places.
-struct Changes {
-    template: Skeleton,
-    person: Skeleton,
-    areas: Vec<f64>,
-    /// World from body, template and person.
-    bodies: HashMap<String, (usize, [Isometry3<f64>; 2])>,
-    frames: HashMap<String, [Isometry3<f64>; 2]>,
-    angles: HashMap<String, f64>,
-}
 
 /// Writes `person` with its file, whose template is the OpenSim model `original`, as a model with its meshes in
-/// `Geometry/` beside it. Returns notes on what was not carried over.
+/// a folder of its name in `Geometry/` beside it. `mass` is the person's, kilograms; without it bodies keep the
+/// template's density. Returns notes on what was not carried over.
 pub fn write_osim(
     original: &Path,
     person: &Skeleton,
     document: &SkeletonDocument,
+    mass: Option<f64>,
     to: &Path,
 ) -> Result<Vec<String>> {
+    if mass.is_some_and(|kg| !(kg.is_finite() && kg > 0.0)) {
+        return Err(Error::invalid("the mass must be a positive number of kilograms"));
+    }
     let text = String::from_utf8_lossy(&read_bytes(original)?).into_owned();
-    let model = parse_osim(&text, original)?;
-    let (own_document, meshes, mut notes) = read_osim_skeleton(original)?;
-    let template = build_skeleton(&own_document, meshes)?;
+    let model = OsimModel::parse(&text, original)?;
+    let (own_document, bones, mut notes) = read_osim_skeleton(original)?;
+    let template = build_skeleton(&own_document, bones)?;
     let person = in_metres(person, metres_per_unit(document.units.as_deref()));
     check_same(&template, &person, original)?;
-    let mut changes = Changes::new(&model, template, person);
-    notes.extend(changes.hold_on_bodies_without_mesh(&model.joints));
+    let mut changes = Changes::new(&model, &template, &person, &stem(to));
+    let total = changes.set_masses(&model.bodies, mass);
     let edited = edit_osim(&text, original, &changes)?;
-    changes.write_meshes(&to.parent().unwrap_or(Path::new("")).join("Geometry"))?;
+    changes.write_meshes(
+        &person,
+        body_meshes(&model, original)?,
+        to.parent().unwrap_or(Path::new("")),
+    )?;
     write_beside(to, |out| out.write_all(edited.as_bytes()))?;
-    notes.push("masses and inertias are those of the template".into());
+    notes.append(&mut changes.person.notes);
+    if mass.is_none() {
+        notes.push(format!(
+            "the bodies keep the template's density, {total:.1} kg in all; give the person's mass with --mass"
+        ));
+    }
     Ok(notes)
 }
 
+/// What changes, and the template's default pose.
+struct Changes {
+    person: OsimPerson,
+    masses: HashMap<String, f64>,
+    meshes: HashMap<String, Vec<String>>,
+    template_values: Values,
+    /// World from body in the template's default pose: the template, and the person in the same pose.
+    same_pose: [Places; 2],
+}
+
 impl Changes {
-    fn new(model: &OsimModel, template: Skeleton, person: Skeleton) -> Self {
-        let areas = vertex_areas(&template.points, &template.triangles);
-        let bodies = moved_bodies(model, &template, &person, &areas);
-        let (mut frames, mut angles) = (HashMap::new(), HashMap::new());
-        let still = Isometry3::identity();
-        for joint in &person.joints {
-            let Some(old) = model.joints.iter().find(|j| j.name == joint.name) else { continue };
-            let present = joint_angles(joint, &joint.transform(&still, &still).rotation);
-            let turn = joint_rotation(joint, &present);
-            let world = |body: &str| bodies.get(body).map_or(still, |b| b.1[1]);
-            let parent_frame = joint.child_frame * turn.inverse();
-            let own = [
-                world(&old.parent).inv_mul(&parent_frame),
-                world(&old.child).inv_mul(&joint.child_frame),
-            ];
-            frames.insert(joint.name.clone(), own);
-            angles.extend(joint.coordinates.iter().map(|c| c.name.clone()).zip(present));
-        }
-        Self { template, person, areas, bodies, frames, angles }
+    fn new(model: &OsimModel, template: &Skeleton, person: &Skeleton, name: &str) -> Self {
+        let person = OsimPerson::new(model, template, person);
+        let template_values = model.default_values();
+        let same_pose =
+            [&model.joints, &person.joints].map(|joints| places(joints, &template_values));
+        let files = |body: &OsimBody| {
+            let mesh = |k: usize| {
+                let own = Path::new(&body.meshes[k].file);
+                let own = own.file_stem().unwrap_or_default().to_string_lossy();
+                format!(
+                    "{}/{}_{}_{}.obj",
+                    file_name(name),
+                    file_name(&body.name),
+                    k + 1,
+                    file_name(&own)
+                )
+            };
+            (body.name.clone(), (0..body.meshes.len()).map(mesh).collect())
+        };
+        let meshes = model.bodies.iter().map(files).collect();
+        Self { person, masses: HashMap::new(), meshes, template_values, same_pose }
     }
 
-    /// Joints to bodies without a mesh, such as the ground, hold the body where the person lies. Returns a
-    /// sentence on each.
-    fn hold_on_bodies_without_mesh(&mut self, joints: &[OsimJoint]) -> Vec<String> {
-        let mut notes = Vec::new();
-        for old in joints {
-            if self.frames.contains_key(&old.name) {
-                continue;
-            }
-            if let (Some((_, [before, after])), false) =
-                (self.bodies.get(&old.child), self.bodies.contains_key(&old.parent))
+    /// Masses grow with the volume; then all of them alike, to the person's. Returns their sum.
+    fn set_masses(&mut self, bodies: &[OsimBody], mass: Option<f64>) -> f64 {
+        let growth =
+            |body: &OsimBody| Some(self.person.shapes.get(&body.name)?.scale.product().abs());
+        let known = || bodies.iter().filter_map(|b| Some((b.mass, growth(b)?)));
+        let before: f64 = known().map(|(mass, _)| mass).sum();
+        let middle = if before > 0.0 {
+            known().map(|(mass, growth)| mass * growth).sum::<f64>() / before
+        } else {
+            1.0
+        };
+        let factors: Vec<f64> = bodies.iter().map(|b| growth(b).unwrap_or(middle)).collect();
+        let total: f64 = bodies.iter().zip(&factors).map(|(body, f)| body.mass * f).sum();
+        let to_wanted = mass.filter(|_| total > 0.0).map_or(1.0, |wanted| wanted / total);
+        let named = bodies.iter().zip(factors).map(|(body, f)| (body.name.clone(), f * to_wanted));
+        self.masses = named.collect();
+        total * to_wanted
+    }
+
+    /// Each bone comes apart into its body's meshes.
+    fn write_meshes(&self, person: &Skeleton, parts: Vec<BodyMeshes>, folder: &Path) -> Result<()> {
+        for (bone, (body, parts)) in person.bones.iter().zip(parts) {
+            let mut rest = &person.points[bone.vertices.clone()];
+            for ((mesh, mut part), file) in
+                body.meshes.iter().zip(parts).zip(&self.meshes[&body.name])
             {
-                let moved = after * before.inverse();
-                notes.push(format!(
-                    "joint {}: its frame on {} is moved with the bone",
-                    old.name, old.parent
-                ));
-                let parent_frame = moved * old.body_from_parent_frame;
-                self.frames.insert(old.name.clone(), [parent_frame, old.body_from_child_frame]);
+                let world = self.person.world[&body.name] * mesh.body_from_mesh;
+                let (own, others) = rest.split_at(part.points.len());
+                let seen = |p: &Vec3| world.inverse_transform_point(&Point3::from(*p)).coords;
+                part.points = own.iter().map(seen).collect();
+                rest = others;
+                write_surface(&folder.join("Geometry").join(file), &part)?;
             }
-        }
-        notes
-    }
-
-    fn write_meshes(&self, folder: &Path) -> Result<()> {
-        for (b, bone) in self.person.bones.iter().enumerate() {
-            let (_, [_, world]) = self.bodies[&bone.name];
-            let mut mesh = self.person.bone_surface(b, &self.person.points);
-            for p in &mut mesh.points {
-                *p = world.inverse_transform_point(&Point3::from(*p)).coords;
-            }
-            write_surface(&folder.join(mesh_name(&bone.name)), &mesh)?;
         }
         Ok(())
     }
-}
-
-/// Each body's number and its places, template and person. The person's follows from the first joint that
-/// has the body as its child, else from the bone.
-fn moved_bodies(
-    model: &OsimModel,
-    template: &Skeleton,
-    person: &Skeleton,
-    areas: &[f64],
-) -> HashMap<String, (usize, [Isometry3<f64>; 2])> {
-    let motions = rigid_targets(template, &template.points, &person.points, areas);
-    let mut bodies = HashMap::new();
-    for (b, bone) in template.bones.iter().enumerate() {
-        let before = model.world_from_body[b];
-        let after = motions[b].unwrap_or_else(Isometry3::identity) * before;
-        bodies.insert(bone.name.clone(), (b, [before, after]));
-    }
-    let mut placed = vec![false; template.bones.len()];
-    for joint in &person.joints {
-        if let Some(old) = model.joints.iter().find(|j| j.name == joint.name)
-            && !std::mem::replace(&mut placed[joint.child], true)
-            && let Some(body) = bodies.get_mut(&old.child)
-        {
-            body.1[1] = joint.child_frame * old.body_from_child_frame.inverse();
-        }
-    }
-    bodies
-}
-
-fn mesh_name(body: &str) -> String {
-    format!("{}_person.obj", file_name(body))
 }
 
 fn in_metres(skeleton: &Skeleton, scale: f64) -> Skeleton {
@@ -176,26 +160,49 @@ fn check_same(template: &Skeleton, person: &Skeleton, original: &Path) -> Result
 }
 
 impl OsimChanges for Changes {
-    fn frames(&self, joint: &str) -> Option<[Isometry3<f64>; 2]> {
-        self.frames.get(joint).copied()
+    fn joint(&self, name: &str) -> Option<&OsimJoint> {
+        self.person.joints.iter().find(|j| j.name == name)
     }
 
     fn default_value(&self, coordinate: &str) -> Option<f64> {
-        self.angles.get(coordinate).copied()
+        self.person.values.get(coordinate).copied()
     }
 
-    fn mesh(&self, body: &str) -> Option<String> {
-        self.bodies.contains_key(body).then(|| mesh_name(body))
+    fn meshes(&self, body: &str) -> Vec<String> {
+        self.meshes.get(body).cloned().unwrap_or_default()
     }
 
-    fn point(&self, body: &str, location: [f64; 3]) -> Option<[f64; 3]> {
-        let (b, [before, after]) = self.bodies.get(body)?;
-        let world: Vec3 = (before * Point3::from(Vec3::from(location))).coords;
-        let frame = Isometry3::translation(world.x, world.y, world.z);
-        let shapes = [self.template.points.as_slice(), self.person.points.as_slice()];
-        let moved = follow_shape(&self.template, *b, &frame, shapes, &self.areas);
-        let place = after.inverse_transform_point(&Point3::from(moved.translation.vector));
-        Some(place.coords.into())
+    fn mass(&self, body: &str) -> f64 {
+        self.masses.get(body).copied().unwrap_or(1.0)
+    }
+
+    fn scale(&self, body: &str) -> Option<Vec3> {
+        self.person.shapes.get(body).map(|shape| shape.scale)
+    }
+
+    fn point(&self, body: &str, location: &Vec3) -> Option<Vec3> {
+        self.person.shapes.get(body).map(|shape| shape.point(location))
+    }
+
+    fn template_value(&self, coordinate: &str) -> f64 {
+        self.template_values.get(coordinate).copied().unwrap_or(0.0)
+    }
+
+    fn path_length(&self, points: &[(String, Vec3)]) -> Option<f64> {
+        let [template, person] = &self.same_pose;
+        let place = |world: &Places, body: &String, point: Vec3| {
+            world.get(body).map(|body| body * Point3::from(point))
+        };
+        let before = points.iter().map(|(body, point)| place(template, body, *point));
+        let after = points
+            .iter()
+            .map(|(body, point)| place(person, body, self.point(body, point).unwrap_or(*point)));
+        let length = |points: Vec<Point3<f64>>| -> f64 {
+            points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum()
+        };
+        let before = length(before.collect::<Option<_>>()?);
+        let after = length(after.collect::<Option<_>>()?);
+        (before > 0.0 && after > 0.0).then(|| after / before)
     }
 }
 
@@ -204,70 +211,153 @@ mod tests {
     use super::*;
     use crate::job::convert::conversion::{Conversion, convert};
     use crate::job::register::skeleton_files::read_skeleton;
+    use crate::register::animation::present_angles;
+    use crate::register::areas::vertex_areas;
+    use crate::register::pose::rigid_targets;
     use crate::register::rotation::turned_about;
-    use nalgebra::UnitQuaternion;
+    use nalgebra::{Isometry3, UnitQuaternion};
 
     const MODEL: &str = r#"<?xml version="1.0"?>
 <OpenSimDocument Version="40000"><Model name="arm"><!-- a comment --><BodySet><objects>
- <Body name="a"><attached_geometry><Mesh><mesh_file>bone.obj</mesh_file><scale_factors>1 2 1</scale_factors></Mesh></attached_geometry><mass>3</mass></Body>
- <Body name="b"><attached_geometry><Mesh><mesh_file>bone.obj</mesh_file></Mesh></attached_geometry></Body></objects></BodySet>
+ <Body name="a"><attached_geometry><Mesh><mesh_file>bone.obj</mesh_file><scale_factors>1 2 1</scale_factors></Mesh></attached_geometry>
+  <mass>3</mass><inertia>2 3 4 0 0 0.5</inertia></Body>
+ <Body name="b"><attached_geometry><Mesh><mesh_file>bone.obj</mesh_file></Mesh><Mesh><mesh_file>bone.obj</mesh_file><scale_factors>2 1 1</scale_factors></Mesh></attached_geometry>
+  <WrapObjectSet><objects><WrapCylinder name="w"><xyz_body_rotation>0.1 0.2 0.3</xyz_body_rotation><translation>0.1 0.2 0.1</translation><radius>0.2</radius><length>2</length></WrapCylinder></objects></WrapObjectSet>
+  <mass>1</mass></Body>
+ <Body name="c"><mass>1</mass></Body></objects></BodySet>
 <JointSet><objects>
  <WeldJoint name="base"><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>/bodyset/a</socket_child_frame></WeldJoint>
- <PinJoint name="ab"><socket_parent_frame>f</socket_parent_frame><socket_child_frame>/bodyset/b</socket_child_frame>
+ <CustomJoint name="ab"><socket_parent_frame>f</socket_parent_frame><socket_child_frame>/bodyset/b</socket_child_frame>
   <coordinates><Coordinate name="bend"><default_value>0.2</default_value><range>-2 2</range></Coordinate></coordinates>
-  <frames><PhysicalOffsetFrame name="f"><socket_parent>/bodyset/a</socket_parent><translation>2 0 0</translation><orientation>0.1 0.2 0.3</orientation></PhysicalOffsetFrame></frames></PinJoint>
+  <frames><PhysicalOffsetFrame name="f"><socket_parent>/bodyset/a</socket_parent><translation>2 0 0</translation><orientation>0.1 0.2 0.3</orientation></PhysicalOffsetFrame></frames>
+  <SpatialTransform><TransformAxis name="rotation1"><coordinates>bend</coordinates><axis>0 0 1</axis><LinearFunction><coefficients>1 0</coefficients></LinearFunction></TransformAxis>
+  <TransformAxis name="translation1"><coordinates>bend</coordinates><axis>1 0 0</axis><MultiplierFunction><function><SimmSpline><x>-2 0 1 2</x><y>0.1 0 0.1 0.3</y></SimmSpline></function><scale>2</scale></MultiplierFunction></TransformAxis>
+  </SpatialTransform></CustomJoint>
+ <WeldJoint name="bc"><socket_parent_frame>/bodyset/b</socket_parent_frame><socket_child_frame>/bodyset/c</socket_child_frame></WeldJoint>
  </objects></JointSet>
-<ForceSet><Strange wish="kept"><PathPoint name="p"><socket_parent_frame>/bodyset/b</socket_parent_frame><location>0.5 0.25 0</location></PathPoint></Strange></ForceSet>
+<ForceSet><Strange wish="kept"><GeometryPath><PathPoint name="p"><socket_parent_frame>/bodyset/a</socket_parent_frame><location>0.5 0.25 0</location></PathPoint>
+ <ConditionalPathPoint name="never"><socket_parent_frame>/bodyset/a</socket_parent_frame><location>9 9 9</location><socket_coordinate>/jointset/ab/bend</socket_coordinate><range>1 2</range></ConditionalPathPoint>
+ <MovingPathPoint name="m"><socket_parent_frame>/bodyset/b</socket_parent_frame><socket_x_coordinate>/jointset/ab/bend</socket_x_coordinate>
+  <x_location><SimmSpline><x>-1 0 1 2</x><y>0.1 0.2 0.3 0.4</y></SimmSpline></x_location><y_location><Constant><value>0.3</value></Constant></y_location></MovingPathPoint>
+ </GeometryPath><tendon_slack_length>2</tendon_slack_length></Strange></ForceSet>
 </Model></OpenSimDocument>"#;
+
+    const BONE: &str =
+        "v 0 0 0\nv 1 0 0\nv 0 0.5 0\nv 0 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+
+    /// The numbers in the first element of this name behind `start`.
+    fn numbers_in(text: &str, start: &str, element: &str) -> Vec<f64> {
+        let from = &text[text.find(start).unwrap()..];
+        let inside = from.split(&format!("<{element}>")).nth(1).unwrap().split('<').next().unwrap();
+        inside.split_whitespace().map(|x| x.parse().unwrap()).collect()
+    }
+
+    fn near(found: &[f64], wanted: &[f64]) -> bool {
+        found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9)
+    }
+
+    /// A person 1.1 times as large, the elbow bent, somewhere else.
+    fn larger(template: &Skeleton, bend: f64) -> Skeleton {
+        let mut person = in_metres(template, 1.1);
+        let frame = person.joints[0].child_frame;
+        let turn = frame.rotation * UnitQuaternion::from_scaled_axis(Vec3::z() * bend);
+        let turn = turn * frame.rotation.inverse();
+        let bend = turned_about(&Isometry3::identity(), &frame.translation.vector, turn);
+        let away = Isometry3::new(Vec3::new(3.0, 1.0, -2.0), Vec3::new(0.3, 1.0, 0.2));
+        person.move_bones(&[away, away * bend]);
+        person
+    }
 
     #[test]
     fn a_person_is_written_into_the_model_and_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("arm.osim"), MODEL).unwrap();
-        let bone = "v 0 0 0\nv 1 0 0\nv 0 0.5 0\nv 0 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-        std::fs::write(at("bone.obj"), bone).unwrap();
+        std::fs::write(at("bone.obj"), BONE).unwrap();
         let to_skeleton = Conversion {
             from: at("arm.osim"),
             to: at("arm.skeleton.json"),
             ..Conversion::default()
         };
         convert(&to_skeleton).unwrap();
-
-        // A larger person, the elbow bent, somewhere else.
-        let mut person = read_skeleton(&at("arm.skeleton.json")).unwrap();
-        person.skeleton = in_metres(&person.skeleton, 1.1);
-        let frame = person.skeleton.joints[0].child_frame;
-        let turn = frame.rotation * UnitQuaternion::from_scaled_axis(Vec3::z() * 0.7);
-        let turn = turn * frame.rotation.inverse();
-        let bend = turned_about(&Isometry3::identity(), &frame.translation.vector, turn);
-        let away = Isometry3::new(Vec3::new(3.0, 1.0, -2.0), Vec3::new(0.3, 1.0, 0.2));
-        person.skeleton.move_bones(&[away, away * bend]);
+        let template = read_skeleton(&at("arm.skeleton.json")).unwrap();
+        let person = larger(&template.skeleton, 0.7);
         std::fs::create_dir(at("out")).unwrap();
-        let notes =
-            write_osim(&at("arm.osim"), &person.skeleton, &person.document, &at("out/person.osim"))
-                .unwrap();
-        assert!(notes.iter().any(|n| n.contains("base")), "{notes:?}");
+        let to = at("out/person.osim");
+        write_osim(&at("arm.osim"), &person, &template.document, Some(10.0), &to).unwrap();
 
-        let text = std::fs::read_to_string(at("out/person.osim")).unwrap();
-        for kept in ["<!-- a comment -->", "wish=\"kept\"", "<mass>3</mass>"] {
+        let (document, meshes, _) = read_osim_skeleton(&to).unwrap();
+        let again = build_skeleton(&document, meshes).unwrap();
+        // The first bone stands where the template's stood; all else lies as the person.
+        let areas = vertex_areas(&again.points, &again.triangles);
+        let back = rigid_targets(&again, &person.points, &again.points, &areas)[0].unwrap();
+        let far = again.points.iter().zip(&person.points);
+        let far = far.map(|(p, q)| (p - (back * Point3::from(*q)).coords).norm());
+        assert!(far.fold(0.0, f64::max) < 1e-6);
+        let (a, b) = (&again.joints[0], back * person.joints[0].child_frame);
+        let apart = a.child_frame.inv_mul(&b);
+        assert!(apart.translation.vector.norm() < 1e-9 && apart.rotation.angle() < 1e-9);
+        assert!((present_angles(&again)[0].1 - 0.9).abs() < 1e-9);
+        let first = (0..4).map(|i| (again.points[i] - template.skeleton.points[i]).norm());
+        assert!(first.fold(0.0, f64::max) < 0.2, "the ground does not move");
+    }
+
+    #[test]
+    fn what_lies_on_the_bones_grows_with_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("arm.osim"), MODEL).unwrap();
+        std::fs::write(at("bone.obj"), BONE).unwrap();
+        let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
+        let person = larger(&build_skeleton(&document, meshes).unwrap(), 0.0);
+        let to = at("person.osim");
+        let notes = write_osim(&at("arm.osim"), &person, &document, None, &to).unwrap();
+        assert!(notes.iter().any(|n| n.contains("6.7 kg")), "{notes:?}");
+        let text = std::fs::read_to_string(&to).unwrap();
+        for kept in ["<!-- a comment -->", "wish=\"kept\"", "<range>1 2</range>"] {
             assert!(text.contains(kept), "{kept}");
         }
-        let (document, meshes, _) = read_osim_skeleton(&at("out/person.osim")).unwrap();
+        let grown = 1.1_f64.powi(3);
+        assert!(near(&numbers_in(&text, "\"a\"", "mass"), &[3.0 * grown]));
+        assert!(near(&numbers_in(&text, "\"c\"", "mass"), &[grown]));
+        let inertia = [2.0, 3.0, 4.0, 0.0, 0.0, 0.5].map(|x| x * 1.1_f64.powi(5));
+        assert!(near(&numbers_in(&text, "\"a\"", "inertia"), &inertia));
+        assert!(near(&numbers_in(&text, "\"w\"", "radius"), &[0.22]));
+        assert!(near(&numbers_in(&text, "\"w\"", "length"), &[2.2]));
+        assert!(near(&numbers_in(&text, "kept", "tendon_slack_length"), &[2.2]));
+        assert!(near(&numbers_in(&text, "\"translation1\"", "y"), &[0.11, 0.0, 0.11, 0.33]));
+        let x = numbers_in(&text, "<x_location>", "y");
+        assert!(near(&x[1..].iter().zip(&x).map(|(a, b)| a - b).collect::<Vec<_>>(), &[0.11; 3]));
+
+        write_osim(&at("arm.osim"), &person, &document, Some(10.0), &to).unwrap();
+        let text = std::fs::read_to_string(&to).unwrap();
+        let mass = |body| numbers_in(&text, body, "mass")[0];
+        assert!((mass("\"a\"") - 6.0).abs() < 1e-9);
+        assert!((mass("\"a\"") + mass("\"b\"") + mass("\"c\"") - 10.0).abs() < 1e-9);
+        let nothing = write_osim(&at("arm.osim"), &person, &document, Some(0.0), &to);
+        assert!(nothing.unwrap_err().to_string().contains("mass"));
+    }
+
+    #[test]
+    fn a_coordinate_stays_within_its_range_and_the_frame_takes_up_the_rest() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("arm.osim"), MODEL.replace("-2 2</range>", "-2 0.5</range>")).unwrap();
+        std::fs::write(at("bone.obj"), BONE).unwrap();
+        let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
+        let person = larger(&build_skeleton(&document, meshes).unwrap(), 0.7);
+        let to = at("person.osim");
+        let notes = write_osim(&at("arm.osim"), &person, &document, None, &to).unwrap();
+        assert!(
+            notes.iter().any(|n| n.contains("bend") && n.contains("22.9 degrees")),
+            "{notes:?}"
+        );
+        let text = std::fs::read_to_string(&to).unwrap();
+        assert_eq!(numbers_in(&text, "\"bend\"", "default_value"), [0.5]);
+        let (document, meshes, _) = read_osim_skeleton(&to).unwrap();
         let again = build_skeleton(&document, meshes).unwrap();
-        let far = again.points.iter().zip(&person.skeleton.points).map(|(p, q)| (p - q).norm());
-        assert!(far.fold(0.0, f64::max) < 1e-6);
-        let (a, b) = (&again.joints[0], &person.skeleton.joints[0]);
-        let apart = a.child_frame.inv_mul(&b.child_frame);
-        assert!(apart.translation.vector.norm() < 1e-9 && apart.rotation.angle() < 1e-9);
-        let angle = |s: &Skeleton| crate::register::animation::present_angles(s)[0].1;
-        assert!((angle(&again) - angle(&person.skeleton)).abs() < 1e-9);
-        assert!((angle(&again) - 0.9).abs() < 1e-9);
-        // The point on the muscle's path grows with its bone.
-        let place = text.split("<location>").nth(1).unwrap().split("</location>").next().unwrap();
-        let place: Vec<f64> = place.split(' ').map(|x| x.parse().unwrap()).collect();
-        let before = Vec3::new(0.5, 0.25, 0.0);
-        assert!((Vec3::from_column_slice(&place) - before * 1.1).norm() < 0.05, "{place:?}");
+        let apart = |s: &Skeleton| (s.points[5] - s.points[0]).norm();
+        assert!((apart(&again) - apart(&person)).abs() < 1e-9);
     }
 
     #[test]
@@ -275,12 +365,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("arm.osim"), MODEL).unwrap();
-        let bone = "v 0 0 0\nv 1 0 0\nv 0 0.5 0\nv 0 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-        std::fs::write(at("bone.obj"), bone).unwrap();
+        std::fs::write(at("bone.obj"), BONE).unwrap();
         let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
         let mut person = build_skeleton(&document, meshes).unwrap();
         person.bones[1].name = "c".into();
-        let error = write_osim(&at("arm.osim"), &person, &document, &at("p.osim"));
+        let error = write_osim(&at("arm.osim"), &person, &document, None, &at("p.osim"));
         let error = error.unwrap_err().to_string();
         assert!(error.contains("bone b"), "{error}");
     }

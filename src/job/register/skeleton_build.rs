@@ -39,6 +39,11 @@ pub fn build_skeleton(document: &SkeletonDocument, meshes: Vec<TriMesh>) -> Resu
     Ok(skeleton)
 }
 
+/// Shift limit of a joint that gives none.
+pub fn default_shift(diagonal: f64) -> f64 {
+    DEFAULT_SHIFT * diagonal
+}
+
 fn build_joint(
     entry: &JointEntry,
     ends: [usize; 2],
@@ -71,7 +76,7 @@ fn build_joint(
     let side =
         |s: &[Option<f64>; 3]| Vec3::from_fn(|k, _| s[k].map_or(f64::INFINITY, f64::to_radians));
     let sides = &entry.limits.rot_deg;
-    let shift = entry.limits.shift.unwrap_or(DEFAULT_SHIFT * diagonal);
+    let shift = entry.limits.shift.unwrap_or(default_shift(diagonal));
     let limits = JointLimits::new(side(&sides.neg), side(&sides.pos), shift)
         .map_err(|e| Error::invalid(format!("joint {}: {e}", entry.name)))?;
     let rule = entry.limits.rule.as_deref().map(|name| {
