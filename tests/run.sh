@@ -7,7 +7,7 @@
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
-all=(core c images workflow report python blender meshlab)
+all=(core c images workflow report opensim python blender meshlab)
 # Debian's packages for each part; those for everybody come first.
 declare -A packages=(
     [build]="gcc python3"
@@ -16,6 +16,7 @@ declare -A packages=(
     [images]="python3-venv"
     [workflow]="python3-venv"
     [report]="python3-venv tetgen chromium"
+    [opensim]="python3-venv"
     [python]="python3-venv tetgen libegl1 libgl1 libgl1-mesa-dri"
     [sdist]="python3-venv tetgen libegl1 libgl1 libgl1-mesa-dri"
     [blender]="python3-venv tetgen blender python3-numpy xvfb xauth imagemagick

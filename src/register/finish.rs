@@ -4,8 +4,9 @@ use super::bone_scales::put_in_place;
 use super::correspond::Correspondences;
 use super::joint_frames::take_shape;
 use super::pairs::UNSEEN_WEIGHT;
-use super::pose::{rigid_targets, settle_tree};
+use super::pose::{moments, moved, rigid_targets};
 use super::registration::{Registration, State};
+use super::riders::riders;
 use super::skeleton::Joint;
 use super::summarize::Found;
 use super::summary::{LevelTrace, Registered};
@@ -24,7 +25,7 @@ impl Registration {
         levels: Vec<LevelTrace>,
         cancelled: bool,
     ) -> Registered {
-        let State { mut reference, points, scales, coefficients, .. } = state;
+        let State { mut reference, mut points, scales, coefficients, .. } = state;
         let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
         take_shape(&mut reference, placed, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones
@@ -33,17 +34,20 @@ impl Registration {
         for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {
             joint.limits.shift = joint.limits.shift.max(factor * given.limits.shift);
         }
+        let (mut search, rules) = (self.search(target, 0.0), self.rules(0.0, None));
+        let masses = self.masses_of_seen_bones(&search.at(&points, &rules));
+        let none = vec![0.0; points.len()];
+        let motions = self.pose(&reference, &points, [&masses, &none], FINAL_STEPS);
+        // What has no data wants to be nowhere else.
+        for [_, _, bone] in riders(&reference, &moments(&reference, &masses), &self.areas) {
+            for i in reference.bones[bone].vertices.clone() {
+                points[i] = moved(&motions[bone], &reference.points[i]);
+            }
+        }
         let free = rigid_targets(&reference, &reference.points, &points, &self.areas);
         let free: Vec<_> = free.into_iter().map(Option::unwrap_or_default).collect();
         let wanted =
             reference.joints.iter().map(|j| j.transform(&free[j.parent], &free[j.child])).collect();
-        let (mut search, rules) = (self.search(target, 0.0), self.rules(0.0, None));
-        let masses = self.masses_of_seen_bones(&search.at(&points, &rules));
-        let none = vec![0.0; points.len()];
-        let mut motions = self.pose(&reference, &points, [&masses, &none], FINAL_STEPS);
-        if self.options.use_joints {
-            settle_tree(&reference, self.root, &mut motions);
-        }
         reference.move_bones(&motions);
         let mut seams = Vec::new();
         for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {

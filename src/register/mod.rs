@@ -40,6 +40,7 @@ mod pose_starts;
 mod prealign;
 mod prepared;
 pub mod registration;
+mod riders;
 pub mod rotation;
 pub mod sampled_clusters;
 mod samples;

@@ -52,7 +52,8 @@ impl Registered {
             bone.penetration = found.as_ref().map_or(0.0, |p| p.depth);
             bone.penetrates = found.map(|p| skeleton.bones[p.into].name.clone());
         }
-        let judgement = judge_whole(&bones, explained, target.left_out);
+        let without: Vec<bool> = (0..bones.len()).map(|b| !target.has_surface_of(b)).collect();
+        let judgement = judge_whole(&bones, &without, explained, target.left_out);
         let notes = target.notes();
         let landmarks = target.landmarks.iter().map(|l| l.distance(&skeleton.points)).collect();
         let cancelled = false;

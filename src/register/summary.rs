@@ -34,7 +34,7 @@ pub struct Registered {
 }
 
 /// The fit of one bone; lengths in the template's unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BoneSummary {
     /// Name.
     pub name: String,

@@ -105,6 +105,11 @@ impl Target {
         }
     }
 
+    /// Whether bone `b` has a surface to be sought on.
+    pub(super) fn has_surface_of(&self, b: usize) -> bool {
+        !self.labelled || self.surfaces[b].is_some()
+    }
+
     /// Whether the target tells the bones apart.
     pub fn is_labelled(&self) -> bool {
         self.labelled

@@ -10,9 +10,10 @@ use super::correspond::Correspondences;
 use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
 use super::level::Level;
-use super::pose::{BoneMoments, heaviest, moments, moved, rigid_targets};
+use super::pose::{BoneMoments, heaviest, moments, moved, rigid_targets, settle_tree};
 use super::pose_at_once::nearest_pose;
 use super::registration::{Registration, State};
+use super::riders::{ride, riders};
 use super::rotation::PairSums;
 use super::skeleton::Skeleton;
 use crate::math::Vec3;
@@ -62,7 +63,8 @@ impl Registration {
     }
 
     /// The motions that carry the reference bones to `wanted` under the joints' limits: sweeps, then
-    /// `steps` for all joints at once.
+    /// `steps` for all joints at once, after which what is left outside is put inside. Bones beyond the last
+    /// one with data ride on it.
     pub(super) fn pose(
         &self,
         reference: &Skeleton,
@@ -78,7 +80,13 @@ impl Registration {
         if !self.options.use_joints {
             return targets;
         }
-        nearest_pose(reference, &moments, &targets, self.options.joint_sweeps, steps).transforms
+        let sweeps = self.options.joint_sweeps;
+        let mut motions = nearest_pose(reference, &moments, &targets, sweeps, steps).transforms;
+        if steps > 0 {
+            settle_tree(reference, heaviest(&moments), &mut motions);
+        }
+        ride(reference, &riders(reference, &moments, &self.areas), &mut motions);
+        motions
     }
 }
 
