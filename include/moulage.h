@@ -2475,12 +2475,7 @@ MlgStatus mlg_skeleton_save_motion(const MlgSkeleton *skeleton,
                                    MlgError *error);
 
 /**
- * Writes a person's skeleton into the OpenSim model that its template was converted from: `.osim`, the
- * bones in `Geometry/` beside it. Muscle points and markers follow the bones' shapes.
- *
- * `model_path`: that model. `path`: UTF-8. What was not carried over is written to `buffer`, one
- * sentence per line: UTF-8, zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if
- * `capacity` is 0. `out_length`: bytes of the whole text without the zero; may be NULL.
+ * `mlg_skeleton_save_osim_mass` with the template's density.
  */
 MlgStatus mlg_skeleton_save_osim(const MlgSkeleton *skeleton,
                                  const char *model_path,
@@ -2489,6 +2484,25 @@ MlgStatus mlg_skeleton_save_osim(const MlgSkeleton *skeleton,
                                  size_t capacity,
                                  size_t *out_length,
                                  MlgError *error);
+
+/**
+ * Writes a person's skeleton into the OpenSim model that its template was converted from: `.osim`, the
+ * bones in a folder of its name in `Geometry/` beside it. Joints, default angles, masses, inertias, muscles,
+ * wrapping surfaces and markers follow the bones.
+ *
+ * `model_path`: that model. `kilograms`: mass of the person; 0: the bodies keep the template's density.
+ * `path`: UTF-8. What was not carried over is written to `buffer`, one sentence per line: UTF-8,
+ * zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if `capacity` is 0. `out_length`: bytes of
+ * the whole text without the zero; may be NULL.
+ */
+MlgStatus mlg_skeleton_save_osim_mass(const MlgSkeleton *skeleton,
+                                      const char *model_path,
+                                      double kilograms,
+                                      const char *path,
+                                      char *buffer,
+                                      size_t capacity,
+                                      size_t *out_length,
+                                      MlgError *error);
 
 /* ================================================================================================
  * Motions of skeletons: angles of their joints over time.

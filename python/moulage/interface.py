@@ -447,6 +447,9 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "skeleton_save": (c_void_p, c_char_p, POINTER(MlgError)),
     "skeleton_save_motion": (c_void_p, c_char_p, POINTER(c_char_p), c_size_t, c_double, c_char_p, POINTER(MlgError)),
     "skeleton_save_osim": (c_void_p, c_char_p, c_char_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError)),
+    "skeleton_save_osim_mass": (
+        c_void_p, c_char_p, c_double, c_char_p, c_void_p, c_size_t, POINTER(c_size_t), POINTER(MlgError),
+    ),
     "motion_new": (
         c_void_p, POINTER(c_char_p), c_size_t, c_void_p, c_void_p, c_size_t, POINTER(c_void_p), POINTER(MlgError),
     ),

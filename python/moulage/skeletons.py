@@ -150,7 +150,9 @@ class Skeleton(Handle):
         """
         native.call("skeleton_save", self, native.path(path))
 
-    def save_osim(self, model: str | os.PathLike[str], path: str | os.PathLike[str]) -> list[str]:
+    def save_osim(
+        self, model: str | os.PathLike[str], path: str | os.PathLike[str], mass: float | None = None
+    ) -> list[str]:
         """Write this person into an OpenSim model.
 
         Parameters
@@ -158,7 +160,9 @@ class Skeleton(Handle):
         model : path
             The .osim model that the template was converted from.
         path : path
-            The .osim model to write; bones go into Geometry/ beside it.
+            The .osim model to write; bones go into a folder of its name in Geometry/ beside it.
+        mass : float, optional
+            Of the person, kg. Without it the bodies keep the template's density.
 
         Returns
         -------
@@ -168,8 +172,8 @@ class Skeleton(Handle):
         length = c_size_t()
         buffer = create_string_buffer(65536)
         native.call(
-            "skeleton_save_osim", self, native.path(model), native.path(path), addressof(buffer),
-            len(buffer), byref(length),
+            "skeleton_save_osim_mass", self, native.path(model), mass or 0.0, native.path(path),
+            addressof(buffer), len(buffer), byref(length),
         )
         return buffer.value.decode("utf-8", "replace").splitlines()
 

@@ -155,16 +155,38 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
     })
 }
 
-/// Writes a person's skeleton into the OpenSim model that its template was converted from: `.osim`, the
-/// bones in `Geometry/` beside it. Muscle points and markers follow the bones' shapes.
-///
-/// `model_path`: that model. `path`: UTF-8. What was not carried over is written to `buffer`, one
-/// sentence per line: UTF-8, zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if
-/// `capacity` is 0. `out_length`: bytes of the whole text without the zero; may be NULL.
+/// `mlg_skeleton_save_osim_mass` with the template's density.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_skeleton_save_osim(
     skeleton: *const MlgSkeleton,
     model_path: *const c_char,
+    path: *const c_char,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_length: *mut usize,
+    error: *mut MlgError,
+) -> MlgStatus {
+    // SAFETY: the caller's promise (see the module).
+    unsafe {
+        mlg_skeleton_save_osim_mass(
+            skeleton, model_path, 0.0, path, buffer, capacity, out_length, error,
+        )
+    }
+}
+
+/// Writes a person's skeleton into the OpenSim model that its template was converted from: `.osim`, the
+/// bones in a folder of its name in `Geometry/` beside it. Joints, default angles, masses, inertias, muscles,
+/// wrapping surfaces and markers follow the bones.
+///
+/// `model_path`: that model. `kilograms`: mass of the person; 0: the bodies keep the template's density.
+/// `path`: UTF-8. What was not carried over is written to `buffer`, one sentence per line: UTF-8,
+/// zero-terminated, cut to `capacity` bytes. `buffer` may be NULL if `capacity` is 0. `out_length`: bytes of
+/// the whole text without the zero; may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_skeleton_save_osim_mass(
+    skeleton: *const MlgSkeleton,
+    model_path: *const c_char,
+    kilograms: f64,
     path: *const c_char,
     buffer: *mut c_char,
     capacity: usize,
@@ -176,7 +198,8 @@ pub unsafe extern "C" fn mlg_skeleton_save_osim(
         let model_path = unsafe { buffers::path(model_path, "model_path")? };
         // SAFETY: as above.
         let path = unsafe { buffers::new_path(path, "path")? };
-        let notes = write_osim(&model_path, &object.skeleton, &object.document, None, &path)?;
+        let mass = Some(kilograms).filter(|kg| *kg != 0.0);
+        let notes = write_osim(&model_path, &object.skeleton, &object.document, mass, &path)?;
         // SAFETY: as above.
         unsafe { buffers::write_text(&notes.join("\n"), buffer, capacity, out_length) }
     })

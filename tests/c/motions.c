@@ -81,7 +81,7 @@ static void walk(const MlgSkeleton *hand, const char *out) {
 
 static const char MODEL[] =
     "<OpenSimDocument Version=\"40000\"><Model><BodySet><objects>"
-    "<Body name=\"a\"><Mesh><mesh_file>bone.obj</mesh_file></Mesh></Body>"
+    "<Body name=\"a\"><Mesh><mesh_file>bone.obj</mesh_file></Mesh><mass>2</mass></Body>"
     "<Body name=\"b\"><Mesh><mesh_file>bone.obj</mesh_file></Mesh></Body></objects></BodySet>"
     "<JointSet><objects><PinJoint name=\"ab\"><socket_parent_frame>f</socket_parent_frame>"
     "<socket_child_frame>/bodyset/b</socket_child_frame>"
@@ -95,6 +95,19 @@ static void write_file(const char *path, const char *text) {
     CHECK(file != NULL && fputs(text, file) >= 0 && fclose(file) == 0);
 }
 
+/* The mass of the first body that has one. */
+static double first_mass(const char *path) {
+    static char text[1 << 14];
+    FILE *file = fopen(path, "r");
+    const char *mass;
+    CHECK(file != NULL);
+    text[fread(text, 1, sizeof text - 1, file)] = 0;
+    fclose(file);
+    mass = strstr(text, "<mass>");
+    CHECK(mass != NULL);
+    return strtod(mass + strlen("<mass>"), NULL);
+}
+
 /* An OpenSim model read as a skeleton and written back. */
 static void opensim(const MlgSkeleton *hand, const char *out) {
     MlgSkeleton *arm = NULL, *again = NULL;
@@ -106,6 +119,10 @@ static void opensim(const MlgSkeleton *hand, const char *out) {
     check(mlg_skeleton_load(in(out, "arm.osim"), &arm, &error));
     check(mlg_skeleton_save_osim(arm, in(out, "arm.osim"), in(out, "person.osim"), notes, sizeof notes, &length, &error));
     CHECK(length > sizeof notes && strlen(notes) == sizeof notes - 1);
+    check(mlg_skeleton_save_osim_mass(arm, in(out, "arm.osim"), 70.5, in(out, "heavy.osim"), notes, sizeof notes, &length, &error));
+    CHECK(length == 0 && fabs(first_mass(in(out, "heavy.osim")) - 70.5) < 1e-9);
+    expect(mlg_skeleton_save_osim_mass(arm, in(out, "arm.osim"), -1, in(out, "no.osim"), NULL, 0, NULL, &error),
+           MLG_STATUS_INVALID_ARGUMENT, "mass");
     check(mlg_skeleton_load(in(out, "person.osim"), &again, &error));
     before = mlg_skeleton_points(arm, &count);
     after = mlg_skeleton_points(again, &more);

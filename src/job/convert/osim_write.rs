@@ -43,6 +43,9 @@ pub fn write_osim(
     check_same(&template, &person, original)?;
     let mut changes = Changes::new(&model, &template, &person, &stem(to));
     let total = changes.set_masses(&model.bodies, mass);
+    if total <= 0.0 && mass.is_some() {
+        return Err(Error::invalid(format!("no body of {} has a mass", original.display())));
+    }
     let edited = edit_osim(&text, original, &changes)?;
     changes.write_meshes(
         &person,
@@ -51,9 +54,9 @@ pub fn write_osim(
     )?;
     write_beside(to, |out| out.write_all(edited.as_bytes()))?;
     notes.append(&mut changes.person.notes);
-    if mass.is_none() {
+    if mass.is_none() && total > 0.0 {
         notes.push(format!(
-            "the bodies keep the template's density, {total:.1} kg in all; give the person's mass with --mass"
+            "the bodies keep the template's density, {total:.1} kg in all; give the person's mass where it is known"
         ));
     }
     Ok(notes)
