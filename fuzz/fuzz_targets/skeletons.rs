@@ -20,7 +20,7 @@ fuzz_target!(|data: &[u8]| {
                 assert!(again.is_ok(), "what is written can be read: {again:?}");
             }
         }
-        1 => drop(io::osim::parse_osim(text, path)),
+        1 => drop(io::osim::model::OsimModel::parse(text, path)),
         2 => drop(io::mot::parse_motion(rest, path)),
         3 => drop(io::vtp::parse_vtp(text, path)),
         4 => drop(io::parse_profiles(rest, path)),

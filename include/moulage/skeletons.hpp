@@ -53,18 +53,30 @@ public:
         call(mlg_skeleton_save_motion, as_const(), motion_path.c_str(), flipped.data, flipped.size,
              unit_in_metres, path.c_str());
     }
-    /** Into the OpenSim model that the template came from; returns what was not carried over. Without a
-        mass the bodies keep the template's density. */
-    std::string save_osim(const std::string &model_path, const std::string &path, double kilograms = 0) const {
-        std::string notes(1 << 16, '\0');
-        std::size_t length = 0;
-        call(mlg_skeleton_save_osim_mass, as_const(), model_path.c_str(), kilograms, path.c_str(), &notes[0],
-             notes.size(), &length);
-        notes.resize(length < notes.size() ? length : notes.size() - 1);
-        return notes;
+    /** Into the OpenSim model that the template came from, with the template's density; returns what was
+        not carried over. */
+    std::string save_osim(const std::string &model_path, const std::string &path) const {
+        return notes_of([&](char *notes, std::size_t capacity, std::size_t *length) {
+            call(mlg_skeleton_save_osim, as_const(), model_path.c_str(), path.c_str(), notes, capacity,
+                 length);
+        });
+    }
+    /** The same with the person's mass. */
+    std::string save_osim(const std::string &model_path, const std::string &path, double kilograms) const {
+        return notes_of([&](char *notes, std::size_t capacity, std::size_t *length) {
+            call(mlg_skeleton_save_osim_mass, as_const(), model_path.c_str(), kilograms, path.c_str(),
+                 notes, capacity, length);
+        });
     }
 
 private:
+    template <typename Write> static std::string notes_of(const Write &write) {
+        std::string notes(1 << 16, '\0');
+        std::size_t length = 0;
+        write(&notes[0], notes.size(), &length);
+        notes.resize(length < notes.size() ? length : notes.size() - 1);
+        return notes;
+    }
     static std::vector<MlgBone> structs(const std::vector<Bone> &bones) {
         std::vector<MlgBone> all;
         for (const Bone &bone : bones)

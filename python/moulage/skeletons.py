@@ -171,9 +171,10 @@ class Skeleton(Handle):
         """
         length = c_size_t()
         buffer = create_string_buffer(65536)
+        function, kilograms = ("skeleton_save_osim", ()) if mass is None else ("skeleton_save_osim_mass", (mass,))
         native.call(
-            "skeleton_save_osim_mass", self, native.path(model), mass or 0.0, native.path(path),
-            addressof(buffer), len(buffer), byref(length),
+            function, self, native.path(model), *kilograms, native.path(path), addressof(buffer), len(buffer),
+            byref(length),
         )
         return buffer.value.decode("utf-8", "replace").splitlines()
 

@@ -212,6 +212,7 @@ static void moving(const std::string &examples) {
     CHECK(near(again.angles()[1], -0.25, 1e-6) && again.notes().empty());
     hand.save_motion(in_folder("turn.mot"), in_folder("turn.glb"));
     CHECK(std::ifstream(in_folder("turn.glb")).good());
+    CHECK(status_of([&] { hand.save_osim(in_folder("none.osim"), in_folder("out.osim")); }) != MLG_STATUS_OK);
     CHECK(status_of([&] { hand.save_osim(in_folder("none.osim"), in_folder("out.osim"), 70); }) != MLG_STATUS_OK);
 }
 

@@ -222,6 +222,8 @@ class Answers(unittest.TestCase):
         self.assertEqual((self.folder / "bend.glb").read_bytes()[:4], b"glTF")
         with self.assertRaises(moulage.Error):
             hand.save_osim(self.folder / "none.osim", self.folder / "out.osim", 70.0)
+        with self.assertRaises(moulage.Error):
+            hand.save_osim(self.folder / "none.osim", self.folder / "out.osim")
 
     def test_an_image_of_another_kind_of_target_is_taken(self):
         ball = moulage.Volume.from_array(numpy.eye(8)[:, :, None] * numpy.ones(8))

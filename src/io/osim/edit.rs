@@ -8,7 +8,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Matrix3, Rotation3};
 use roxmltree::Node;
 
-use super::function::Function;
+use super::function::{Function, innermost};
 use super::joint::{OsimJoint, is_axis};
 use super::model::{document, meshes};
 use super::xml::{child_numbers, child_text, last_name, name, objects, three};
@@ -196,34 +196,21 @@ impl Edits {
 
     /// Makes the function of an element `factor` times itself plus `shift`.
     fn function(&mut self, owner: &Node, factor: f64, shift: f64) {
-        for node in owner.children().filter(Node::is_element) {
-            let tag = match node.tag_name().name() {
-                "Constant" => "value",
-                "LinearFunction" | "PolynomialFunction" => "coefficients",
-                "SimmSpline" | "PiecewiseLinearFunction" => "y",
-                "function" => {
-                    self.function(&node, factor, shift);
-                    continue;
-                }
-                "MultiplierFunction" => {
-                    let own = child_numbers(&node, "scale").and_then(|s| s.first().copied());
-                    self.function(&node, factor, shift / own.filter(|s| *s != 0.0).unwrap_or(1.0));
-                    continue;
-                }
-                _ => continue,
-            };
-            let Some(mut numbers) = child_numbers(&node, tag) else { continue };
-            for x in &mut numbers {
-                *x *= factor;
-            }
-            // The last coefficient is the constant one.
-            let first = if tag == "coefficients" { numbers.len().saturating_sub(1) } else { 0 };
-            for x in &mut numbers[first..] {
-                *x += shift;
-            }
-            let text: Vec<String> = numbers.iter().map(|x| format!("{x:?}")).collect();
-            self.set_child(&node, tag, &text.join(" "));
+        let Some((node, around)) = innermost(owner) else { return };
+        let tag = match node.tag_name().name() {
+            "Constant" => "value",
+            "LinearFunction" | "PolynomialFunction" => "coefficients",
+            _ => "y",
+        };
+        let Some(mut numbers) = child_numbers(&node, tag) else { return };
+        // The last coefficient is the constant one.
+        let first = if tag == "coefficients" { numbers.len().saturating_sub(1) } else { 0 };
+        let shift = if around == 0.0 { 0.0 } else { shift / around };
+        for (k, x) in numbers.iter_mut().enumerate() {
+            *x = *x * factor + if k < first { 0.0 } else { shift };
         }
+        let text: Vec<String> = numbers.iter().map(|x| format!("{x:?}")).collect();
+        self.set_child(&node, tag, &text.join(" "));
     }
 
     /// Sets the text of a child element, which is made where it is missing.

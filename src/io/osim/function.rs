@@ -1,10 +1,11 @@
 //! Functions of one coordinate, with OpenSim's own values.
 
-use nalgebra::{DMatrix, DVector};
 use roxmltree::Node;
 
-use super::xml::{child_numbers, child_text, name, numbers};
+use super::xml::{child_numbers, name};
 
+/// A function that is a multiple of the one inside it.
+const MULTIPLIER: &str = "MultiplierFunction";
 /// Names of the functions that are read.
 const KNOWN: [&str; 6] = [
     "Constant",
@@ -12,7 +13,7 @@ const KNOWN: [&str; 6] = [
     "SimmSpline",
     "PiecewiseLinearFunction",
     "PolynomialFunction",
-    "MultiplierFunction",
+    MULTIPLIER,
 ];
 
 /// A function of one coordinate.
@@ -44,19 +45,10 @@ impl Function {
         Self::Polynomial(vec![1.0, 0.0])
     }
 
-    /// The function among the children of `owner`, with or without a `<function>` around it; `None` if there
-    /// is none.
+    /// The function among the children of `owner`; `None` if there is none.
     pub fn of(owner: &Node) -> Result<Option<Self>, String> {
-        let mut children = owner.children().filter(Node::is_element);
-        let node = children.find(|n| KNOWN.contains(&n.tag_name().name()) || name(n) == "function");
-        let inner = owner.children().find(|n| n.has_tag_name("function"));
-        match (node, inner) {
-            (Some(node), _) => Self::parse(&node).map(Some),
-            (None, Some(inner)) => {
-                inner.first_element_child().map(|node| Self::parse(&node)).transpose()
-            }
-            (None, None) => Ok(None),
-        }
+        let Some((node, factor)) = innermost(owner) else { return Ok(None) };
+        Ok(Some(Self::parse(&node)?.times(factor)))
     }
 
     fn parse(node: &Node) -> Result<Self, String> {
@@ -64,8 +56,7 @@ impl Function {
         let bad = || format!("its <{kind}> is not usable");
         match kind {
             "Constant" => {
-                let value =
-                    child_text(node, "value").and_then(|t| numbers(&t)).unwrap_or(vec![0.0]);
+                let value = child_numbers(node, "value").unwrap_or_else(|| vec![0.0]);
                 Ok(Self::constant(*value.first().ok_or_else(bad)?))
             }
             "LinearFunction" | "PolynomialFunction" => {
@@ -79,11 +70,7 @@ impl Function {
                 let spline = kind == "SimmSpline";
                 Ok(Self::Pieces(if spline { spline_through(x, &y) } else { lines_through(x, &y) }))
             }
-            "MultiplierFunction" => {
-                let inner = Self::of(node)?.ok_or_else(bad)?;
-                let scale = child_numbers(node, "scale").and_then(|s| s.first().copied());
-                Ok(inner.times(scale.unwrap_or(1.0)))
-            }
+            MULTIPLIER => Err(bad()),
             _ => Err(format!("its <{kind}> is not known; known are {}", KNOWN.join(", "))),
         }
     }
@@ -117,6 +104,25 @@ impl Function {
     }
 }
 
+/// The function among the children of `owner` that is no multiple of another, and the product of the factors
+/// around it. Functions may stand in a `<function>`.
+pub(super) fn innermost<'a, 'i>(owner: &Node<'a, 'i>) -> Option<(Node<'a, 'i>, f64)> {
+    let inside = |owner: &Node<'a, 'i>| {
+        let known = |n: &Node| KNOWN.contains(&n.tag_name().name()) || name(n) == "function";
+        let framed =
+            || owner.children().find(|n| n.has_tag_name("function"))?.first_element_child();
+        owner.children().find(known).or_else(framed)
+    };
+    let (mut node, mut factor) = (inside(owner)?, 1.0);
+    while node.has_tag_name(MULTIPLIER)
+        && let Some(inner) = inside(&node)
+    {
+        factor *= child_numbers(&node, "scale").and_then(|s| s.first().copied()).unwrap_or(1.0);
+        node = inner;
+    }
+    Some((node, factor))
+}
+
 impl Pieces {
     fn value(&self, at: f64) -> f64 {
         let last = self.x.len() - 1;
@@ -145,24 +151,30 @@ fn spline_through(x: Vec<f64>, y: &[f64]) -> Pieces {
     }
     let step: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
     let slope: Vec<f64> = y.windows(2).zip(&step).map(|(w, h)| (w[1] - w[0]) / h).collect();
-    // One unknown per knot: a sixth of the second derivative.
-    let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    // One unknown per knot: a sixth of the second derivative. The matrix has the steps beside its diagonal.
+    let (mut diagonal, mut sixth) = (vec![0.0; n], vec![0.0; n]);
     for k in 1..n - 1 {
-        matrix[(k, k - 1)] = step[k - 1];
-        matrix[(k, k)] = 2.0 * (step[k - 1] + step[k]);
-        matrix[(k, k + 1)] = step[k];
-        right[k] = slope[k] - slope[k - 1];
+        diagonal[k] = 2.0 * (step[k - 1] + step[k]);
+        sixth[k] = slope[k] - slope[k - 1];
     }
-    for (end, next, first) in [(0, 1, 0), (n - 1, n - 2, n.saturating_sub(4))] {
+    for (end, first) in [(0, 0), (n - 1, n.saturating_sub(4))] {
         let h = step[end.min(n - 2)];
-        (matrix[(end, end)], matrix[(end, next)]) = (-h, h);
+        diagonal[end] = -h;
         if n > 3 {
             let second = |k: usize| (slope[k + 1] - slope[k]) / (x[k + 2] - x[k]);
             let third = (second(first + 1) - second(first)) / (x[first + 3] - x[first]);
-            right[end] = third * h * h * if end == 0 { 1.0 } else { -1.0 };
+            sixth[end] = third * h * h * if end == 0 { 1.0 } else { -1.0 };
         }
     }
-    let sixth = matrix.lu().solve(&right).unwrap_or_else(|| DVector::zeros(n));
+    for k in 1..n {
+        let factor = step[k - 1] / diagonal[k - 1];
+        diagonal[k] -= factor * step[k - 1];
+        sixth[k] -= factor * sixth[k - 1];
+    }
+    sixth[n - 1] /= diagonal[n - 1];
+    for k in (0..n - 1).rev() {
+        sixth[k] = (sixth[k] - step[k] * sixth[k + 1]) / diagonal[k];
+    }
     let mut cubics: Vec<[f64; 4]> = (0..n - 1)
         .map(|k| {
             let b = slope[k] - step[k] * (sixth[k + 1] + 2.0 * sixth[k]);
@@ -252,6 +264,18 @@ mod tests {
         let constant = parsed("<T><Constant><value>4</value></Constant></T>").unwrap().unwrap();
         assert_eq!((constant.value(9.0), constant.own_slope()), (4.0, None));
         assert_eq!(Function::identity().times(-1.0).own_slope(), Some(-1.0));
+    }
+
+    #[test]
+    fn many_knots_and_many_factors_are_no_trouble() {
+        let x: Vec<f64> = (0..200_000).map(f64::from).collect();
+        let spline = spline_through(x.clone(), &x);
+        assert!((spline.value(1234.5) - 1234.5).abs() < 1e-9);
+        let depth = 200;
+        let open = "<MultiplierFunction><scale>-1</scale><function>".repeat(depth);
+        let close = "</function></MultiplierFunction>".repeat(depth);
+        let text = format!("<T>{open}<Constant><value>2</value></Constant>{close}</T>");
+        assert!((parsed(&text).unwrap().unwrap().value(0.0) - 2.0).abs() < 1e-12);
     }
 
     #[test]
