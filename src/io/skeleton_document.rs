@@ -1,5 +1,6 @@
 //! What a skeleton file holds.
 
+use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
 /// Value of `format`.
@@ -122,6 +123,13 @@ pub struct FrameEntry {
     pub t: [f64; 3],
     /// Rotation, unit quaternion w, x, y, z.
     pub q: [f64; 4],
+}
+
+impl From<&Isometry3<f64>> for FrameEntry {
+    fn from(frame: &Isometry3<f64>) -> Self {
+        let q = frame.rotation.quaternion();
+        Self { t: frame.translation.vector.into(), q: [q.w, q.i, q.j, q.k] }
+    }
 }
 
 /// Limits of a joint.

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use super::skeleton_document::{
-    BoneEntry, CoordinateEntry, FORMAT, FrameEntry, JointEntry, LimitsEntry, SidesEntry,
-    SkeletonDocument, VERSION,
+    BoneEntry, CoordinateEntry, FORMAT, JointEntry, LimitsEntry, SidesEntry, SkeletonDocument,
+    VERSION,
 };
 use crate::error::{Error, Result};
 
@@ -129,8 +129,8 @@ fn joint(parent: &str, child: &str, hinges: &[&Hinge], path: &Path) -> Result<Jo
     entry.name = hinges.iter().map(|h| h.name.as_str()).collect::<Vec<_>>().join("+");
     let axes = frame_axes(hinges, path)?;
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-    let q = rotation.quaternion();
-    entry.parent_frame = Some(FrameEntry { t: first.centre, q: [q.w, q.i, q.j, q.k] });
+    let centre = Vector3::from(first.centre);
+    entry.parent_frame = Some((&Isometry3::from_parts(centre.into(), rotation)).into());
     entry.source = Some(first.kind.clone());
     if first.kind != "hinge" {
         if first.kind.starts_with("6dof") {

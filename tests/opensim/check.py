@@ -65,8 +65,9 @@ class Model:
 
     def put(self, values):
         """Puts coordinates to values, radians or metres; what follows others follows."""
+        known = self.coordinates()
         for name, value in values.items():
-            coordinate = self.coordinates()[name]
+            coordinate = known[name]
             if not coordinate.isDependent(self.state) and not coordinate.get_locked():
                 coordinate.setValue(self.state, value, False)
         self.model.assemble(self.state)
@@ -175,10 +176,9 @@ def check_walk(model, motion, flip):
         for k in range(len(times)):
             model.put({name: column[k] for name, column in values.items()})
             given.append({n: c.getValue(model.state) for n, c in known.items()})
+            places = {body: model.body_place(body) for body, _ in stations.values()}
             frames.append(
-                np.concatenate(
-                    [model.body_place(b)[0] @ p + model.body_place(b)[1] for b, p in stations.values()]
-                )
+                np.concatenate([places[b][0] @ p + places[b][1] for b, p in stations.values()])
             )
         write_markers(folder / "markers.trc", times, list(stations), frames)
         tool = osim.InverseKinematicsTool()

@@ -16,7 +16,7 @@ from check import check
 
 PROGRAM = os.environ["MOULAGE_PROGRAM"]
 HERE = Path(__file__).parent
-LEFT_OF_KNEE = ["tibia", "patella", "foot"]
+BELOW_KNEE = ["tibia", "patella", "foot"]
 
 
 def moulage(*words, folder):
@@ -52,7 +52,7 @@ def make_person(folder, skeleton, bend, to):
     for bone in document["bones"]:
         points, triangles = bones.read_obj(folder / bone["mesh"])
         points = larger(points)
-        if bone["name"] in LEFT_OF_KNEE:
+        if bone["name"] in BELOW_KNEE:
             points = knee_bent(points, larger(centre[None])[0], axis, bend)
         bones.write_obj(to / f"{bone['name']}.obj", points, triangles)
 

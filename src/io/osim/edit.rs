@@ -9,9 +9,9 @@ use nalgebra::{Isometry3, Matrix3, Rotation3};
 use roxmltree::Node;
 
 use super::function::{Function, innermost};
-use super::joint::{OsimJoint, is_axis};
+use super::joint::{OsimJoint, body_fixed, is_axis};
 use super::model::{document, meshes};
-use super::xml::{child_numbers, child_text, last_name, name, objects, three};
+use super::xml::{child_number, child_numbers, child_text, child_three, last_name, name, objects};
 use crate::error::Result;
 use crate::io::markup::escaped;
 use crate::math::Vec3;
@@ -67,7 +67,7 @@ impl Edits {
         self.frames(joint, [new.body_from_parent_frame, new.body_from_child_frame]);
         for coordinate in joint.descendants().filter(|n| n.has_tag_name("Coordinate")) {
             if let Some(value) = changes.default_value(name(&coordinate)) {
-                self.set_child(&coordinate, "default_value", &format!("{value:?}"));
+                self.set_child(&coordinate, "default_value", &written(&[value]));
             }
         }
         let shifts = joint.descendants().filter(|n| is_axis(n, "translation"));
@@ -83,7 +83,8 @@ impl Edits {
         let mut added = String::new();
         for (socket, frame) in ["socket_parent_frame", "socket_child_frame"].iter().zip(frames) {
             let Some(target) = child_text(joint, socket) else { continue };
-            let (place, turn) = (written(&frame.translation.vector), orientation(&frame));
+            let place = written(frame.translation.vector.as_slice());
+            let turn = orientation(&frame);
             let own = offsets.iter().find(|n| name(n) == last_name(&target));
             if let Some(own) = own {
                 self.set_child(own, "translation", &place);
@@ -118,18 +119,13 @@ impl Edits {
             self.set_child(&mesh, "scale_factors", "1 1 1");
         }
         let factor = changes.mass(body_name);
-        if let Some(&[mass]) = child_numbers(body, "mass").as_deref() {
-            self.set_child(body, "mass", &format!("{:?}", mass * factor));
-        }
+        self.scale_child(body, "mass", factor);
         let scale = changes.scale(body_name).unwrap_or(Vec3::repeat(1.0));
         if let Some(&[xx, yy, zz, xy, xz, yz]) = child_numbers(body, "inertia").as_deref() {
             let inertia = scaled_inertia([xx, yy, zz, xy, xz, yz], factor, &scale);
-            self.set_child(body, "inertia", &inertia.map(|x| format!("{x:?}")).join(" "));
+            self.set_child(body, "inertia", &written(&inertia));
         }
-        let centre = child_text(body, "mass_center").and_then(|text| three(&text));
-        if let Some(centre) = centre.and_then(|centre| changes.point(body_name, &centre)) {
-            self.set_child(body, "mass_center", &written(&centre));
-        }
+        self.move_child(body, "mass_center", body_name, changes);
         for wrap in body.descendants().filter(|n| n.has_tag_name("xyz_body_rotation")) {
             if let Some(wrap) = wrap.parent_element() {
                 self.wrap(&wrap, body_name, &scale, changes);
@@ -139,33 +135,28 @@ impl Edits {
 
     /// A surface that muscles wrap around: its sizes grow with the body along its own axes.
     fn wrap(&mut self, wrap: &Node, body: &str, scale: &Vec3, changes: &impl OsimChanges) {
-        let place = child_text(wrap, "translation").and_then(|text| three(&text));
-        if let Some(place) = place.and_then(|place| changes.point(body, &place)) {
-            self.set_child(wrap, "translation", &written(&place));
-        }
-        let turn = child_text(wrap, "xyz_body_rotation").and_then(|text| three(&text));
-        let turn = super::joint::body_fixed(&turn.unwrap_or_default());
+        self.move_child(wrap, "translation", body, changes);
+        let turn = body_fixed(&child_three(wrap, "xyz_body_rotation").unwrap_or_default());
         let along = |axis: Vec3| scale.component_mul(&(turn * axis)).norm();
         let [x, y, z] = [along(Vec3::x()), along(Vec3::y()), along(Vec3::z())];
         let across = f64::midpoint(x, y);
         let sphere = wrap.has_tag_name("WrapSphere");
         let radius = if sphere { (x + y + z) / 3.0 } else { across };
-        let sizes = [("radius", radius), ("length", z), ("inner_radius", across)];
-        for (size, factor) in sizes.into_iter().chain([("outer_radius", across)]) {
-            if let Some(&[value]) = child_numbers(wrap, size).as_deref() {
-                self.set_child(wrap, size, &format!("{:?}", value * factor));
-            }
+        for (size, factor) in
+            [("radius", radius), ("length", z), ("inner_radius", across), ("outer_radius", across)]
+        {
+            self.scale_child(wrap, size, factor);
         }
-        if let Some(sizes) = child_text(wrap, "dimensions").and_then(|text| three(&text)) {
-            self.set_child(wrap, "dimensions", &written(&sizes.component_mul(&Vec3::new(x, y, z))));
+        if let Some(sizes) = child_three(wrap, "dimensions") {
+            let sizes = sizes.component_mul(&Vec3::new(x, y, z));
+            self.set_child(wrap, "dimensions", &written(sizes.as_slice()));
         }
     }
 
     fn location(&mut self, location: &Node, changes: &impl OsimChanges) {
-        let Some(body) = location.parent_element().and_then(|p| body_of(&p)) else { return };
-        let place = location.text().and_then(three);
-        if let Some(place) = place.and_then(|place| changes.point(&body, &place)) {
-            self.replace_text(location, &written(&place));
+        let Some(point) = location.parent_element() else { return };
+        if let Some(body) = body_of(&point) {
+            self.move_child(&point, "location", &body, changes);
         }
     }
 
@@ -188,9 +179,7 @@ impl Edits {
         let Some(owner) = path.parent_element() else { return };
         let Some(factor) = changes.path_length(&path_points(path, changes)) else { return };
         for length in ["optimal_fiber_length", "tendon_slack_length", "resting_length"] {
-            if let Some(&[value]) = child_numbers(&owner, length).as_deref() {
-                self.set_child(&owner, length, &format!("{:?}", value * factor));
-            }
+            self.scale_child(&owner, length, factor);
         }
     }
 
@@ -209,8 +198,22 @@ impl Edits {
         for (k, x) in numbers.iter_mut().enumerate() {
             *x = *x * factor + if k < first { 0.0 } else { shift };
         }
-        let text: Vec<String> = numbers.iter().map(|x| format!("{x:?}")).collect();
-        self.set_child(&node, tag, &text.join(" "));
+        self.set_child(&node, tag, &written(&numbers));
+    }
+
+    /// Multiplies the number of a child element.
+    fn scale_child(&mut self, node: &Node, name: &str, factor: f64) {
+        if let Some(value) = child_number(node, name) {
+            self.set_child(node, name, &written(&[value * factor]));
+        }
+    }
+
+    /// Moves the place on a body that a child element has.
+    fn move_child(&mut self, node: &Node, name: &str, body: &str, changes: &impl OsimChanges) {
+        let place = child_three(node, name).and_then(|place| changes.point(body, &place));
+        if let Some(place) = place {
+            self.set_child(node, name, &written(place.as_slice()));
+        }
     }
 
     /// Sets the text of a child element, which is made where it is missing.
@@ -289,8 +292,8 @@ fn path_points(path: &Node, changes: &impl OsimChanges) -> Vec<(String, Vec3)> {
             let value = changes.template_value(&last_name(&coordinate));
             (low..=high).contains(&value).then_some(())?;
         }
-        let fixed = child_text(&point, "location").map(|text| three(&text));
-        Some((body_of(&point)?, fixed.unwrap_or_else(|| Some(moving_place(&point, changes)))?))
+        let fixed = child_three(&point, "location");
+        Some((body_of(&point)?, fixed.unwrap_or_else(|| moving_place(&point, changes))))
     };
     let points = path.descendants().filter(|n| n.tag_name().name().ends_with("PathPoint"));
     points.filter_map(place).collect()
@@ -321,10 +324,9 @@ fn orientation(frame: &Isometry3<f64>) -> String {
     } else {
         Vec3::new((-r.m23).atan2(r.m33), y, (-r.m12).atan2(r.m11))
     };
-    written(&angles)
+    written(angles.as_slice())
 }
 
-fn written(values: &Vec3) -> String {
-    let [x, y, z] = (*values).into();
-    format!("{x:?} {y:?} {z:?}")
+fn written(numbers: &[f64]) -> String {
+    numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ")
 }

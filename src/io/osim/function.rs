@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::xml::{child_numbers, name};
+use super::xml::{child_number, child_numbers, name};
 
 /// A function that is a multiple of the one inside it.
 const MULTIPLIER: &str = "MultiplierFunction";
@@ -55,10 +55,7 @@ impl Function {
         let kind = node.tag_name().name();
         let bad = || format!("its <{kind}> is not usable");
         match kind {
-            "Constant" => {
-                let value = child_numbers(node, "value").unwrap_or_else(|| vec![0.0]);
-                Ok(Self::constant(*value.first().ok_or_else(bad)?))
-            }
+            "Constant" => Ok(Self::constant(child_number(node, "value").unwrap_or(0.0))),
             "LinearFunction" | "PolynomialFunction" => {
                 let coefficients = child_numbers(node, "coefficients").filter(|c| !c.is_empty());
                 coefficients.map(Self::Polynomial).ok_or_else(bad)
@@ -117,7 +114,7 @@ pub(super) fn innermost<'a, 'i>(owner: &Node<'a, 'i>) -> Option<(Node<'a, 'i>, f
     while node.has_tag_name(MULTIPLIER)
         && let Some(inner) = inside(&node)
     {
-        factor *= child_numbers(&node, "scale").and_then(|s| s.first().copied()).unwrap_or(1.0);
+        factor *= child_number(&node, "scale").unwrap_or(1.0);
         node = inner;
     }
     Some((node, factor))

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use roxmltree::Node;
 
 use super::function::Function;
-use super::xml::{child_numbers, child_text, last_name, name, three};
+use super::xml::{child_numbers, child_text, child_three, last_name, name, three};
 use crate::math::Vec3;
 
 /// Values of coordinates by name.
@@ -110,38 +110,37 @@ impl OsimJoint {
             "FreeJoint" => {
                 (vec![own(0, x), own(1, y), own(2, z)], vec![own(3, x), own(4, y), own(5, z)])
             }
-            _ => return self.take_custom_motion(node),
+            _ => {
+                self.rotations = self.axes(node, "rotation")?;
+                self.translations = self.axes(node, "translation")?;
+                return Ok(());
+            }
         };
         self.rotations = turns.into_iter().flatten().collect();
         self.translations = shifts.into_iter().flatten().collect();
         Ok(())
     }
 
-    fn take_custom_motion(&mut self, node: &Node) -> Result<(), String> {
-        for axis in node.descendants().filter(|n| is_axis(n, "")) {
-            let title = name(&axis);
-            let function = Function::of(&axis).map_err(|m| format!("{title}: {m}"))?;
-            let function = function.unwrap_or(Function::constant(0.0));
-            let coordinates = child_text(&axis, "coordinates").unwrap_or_default();
-            let mut names = coordinates.split_whitespace().map(String::from);
-            let coordinate = names.next();
-            if names.next().is_some() {
-                return Err(format!("{title}: functions of several coordinates are not known"));
-            }
-            if let Some(unknown) = coordinate.as_ref().filter(|name| !self.has(name)) {
-                return Err(format!("{title}: there is no coordinate {unknown} in this joint"));
-            }
-            let direction = child_text(&axis, "axis").and_then(|t| three(&t)?.try_normalize(1e-9));
-            let direction = direction
-                .ok_or_else(|| format!("{title}: <axis> must hold three numbers, not all zero"))?;
-            let axis = Axis { direction, coordinate, function, stretch: 1.0 };
-            if title.starts_with("rotation") {
-                self.rotations.push(axis);
-            } else {
-                self.translations.push(axis);
-            }
+    /// The axes of a joint that moves by functions, rotations or translations.
+    fn axes(&self, joint: &Node, kind: &str) -> Result<Vec<Axis>, String> {
+        let nodes = joint.descendants().filter(|n| is_axis(n, kind));
+        nodes.map(|node| self.axis(&node).map_err(|m| format!("{}: {m}", name(&node)))).collect()
+    }
+
+    fn axis(&self, node: &Node) -> Result<Axis, String> {
+        let function = Function::of(node)?.unwrap_or(Function::constant(0.0));
+        let coordinates = child_text(node, "coordinates").unwrap_or_default();
+        let mut names = coordinates.split_whitespace().map(String::from);
+        let coordinate = names.next();
+        if names.next().is_some() {
+            return Err("functions of several coordinates are not known".into());
         }
-        Ok(())
+        if let Some(unknown) = coordinate.as_ref().filter(|name| !self.has(name)) {
+            return Err(format!("there is no coordinate {unknown} in this joint"));
+        }
+        let direction = child_three(node, "axis").and_then(|axis| axis.try_normalize(1e-9));
+        let direction = direction.ok_or("<axis> must hold three numbers, not all zero")?;
+        Ok(Axis { direction, coordinate, function, stretch: 1.0 })
     }
 
     fn has(&self, coordinate: &str) -> bool {

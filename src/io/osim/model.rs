@@ -1,8 +1,4 @@
-//! A model read: bodies with meshes become bones, joints keep their frames.
-//!
-//! Lengths are metres in the file and stay metres. Meshes are placed by the frames of the model's
-//! default pose. To a registration a joint's motion is an ellipsoid of rotation vectors and a shift, which
-//! is an approximation of OpenSim's separate and coupled ranges.
+//! A model read: its bodies with their meshes, its joints, and what couples coordinates. Lengths are metres.
 
 use std::path::Path;
 
@@ -11,7 +7,7 @@ use roxmltree::{Document, Node};
 
 use super::function::Function;
 use super::joint::{OsimCoordinate, OsimJoint, Values, offset};
-use super::xml::{child_numbers, child_text, last_name, name, objects, row, three};
+use super::xml::{child_number, child_text, child_three, last_name, name, objects, row};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
@@ -73,7 +69,7 @@ impl OsimModel {
         for node in objects(&xml, "BodySet") {
             model.bodies.push(body(&node).map_err(|m| at(&node, m))?);
         }
-        if model.bodies.iter().all(|b| b.meshes.is_empty()) {
+        if model.bodies_with_meshes().next().is_none() {
             return Err(Error::parse(path, None, "no body of the model has a mesh"));
         }
         for node in objects(&xml, "ConstraintSet") {
@@ -83,6 +79,11 @@ impl OsimModel {
             }
         }
         Ok(model)
+    }
+
+    /// The bodies that are bones.
+    pub fn bodies_with_meshes(&self) -> impl Iterator<Item = &OsimBody> {
+        self.bodies.iter().filter(|body| !body.meshes.is_empty())
     }
 
     /// All coordinates.
@@ -140,14 +141,14 @@ fn body(node: &Node) -> Result<OsimBody, String> {
             body_from_mesh =
                 offset(&frame).map_err(|m| format!("body {body}: {m}"))? * body_from_mesh;
         }
-        let scale = child_text(&mesh, "scale_factors").and_then(|s| three(&s));
+        let scale = child_three(&mesh, "scale_factors");
         read.push(OsimMesh {
             file: child_text(&mesh, "mesh_file").unwrap_or_default(),
             scale: scale.unwrap_or(Vec3::repeat(1.0)),
             body_from_mesh,
         });
     }
-    let mass = child_numbers(node, "mass").and_then(|m| m.first().copied()).unwrap_or(0.0);
+    let mass = child_number(node, "mass").unwrap_or(0.0);
     Ok(OsimBody { name: body, mass, meshes: read })
 }
 
@@ -163,7 +164,7 @@ fn coupler(node: &Node) -> Result<Option<Coupler>, String> {
     };
     let in_constraint = |m: String| format!("constraint {}: {m}", name(node));
     let function = Function::of(&function).map_err(in_constraint)?;
-    let scale = child_numbers(node, "scale_factor").and_then(|s| s.first().copied());
+    let scale = child_number(node, "scale_factor");
     Ok(function.map(|function| Coupler {
         leading: last_name(&leading),
         following: last_name(&following),

@@ -38,6 +38,17 @@ pub fn child_numbers(node: &Node, name: &str) -> Option<Vec<f64>> {
     numbers(&child_text(node, name)?)
 }
 
+/// The one number of a child element.
+pub fn child_number(node: &Node, name: &str) -> Option<f64> {
+    let [number] = child_numbers(node, name)?.try_into().ok()?;
+    Some(number)
+}
+
+/// The three numbers of a child element.
+pub fn child_three(node: &Node, name: &str) -> Option<Vec3> {
+    three(&child_text(node, name)?)
+}
+
 /// Finite numbers with spaces between them.
 pub fn numbers(text: &str) -> Option<Vec<f64>> {
     text.split_whitespace().map(|w| w.parse().ok().filter(|x: &f64| x.is_finite())).collect()

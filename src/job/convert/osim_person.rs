@@ -8,7 +8,7 @@ use super::osim_pose::fit_coordinates;
 use super::osim_shape::BodyShape;
 use crate::io::osim::joint::{OsimCoordinate, OsimJoint, Values};
 use crate::io::osim::model::OsimModel;
-use crate::io::osim::pose::{Places, places};
+use crate::io::osim::pose::Places;
 use crate::math::Vec3;
 use crate::register::Skeleton;
 use crate::register::areas::vertex_areas;
@@ -32,12 +32,12 @@ pub struct OsimPerson {
 }
 
 impl OsimPerson {
-    /// The person whose bones and joints are `person`, metres; `template` is the model's own skeleton.
-    pub fn new(model: &OsimModel, template: &Skeleton, person: &Skeleton) -> Self {
+    /// The person whose bones and joints are `person`, metres; `template` is the model's own skeleton, whose
+    /// bodies are at `before`.
+    pub fn new(model: &OsimModel, before: &Places, template: &Skeleton, person: &Skeleton) -> Self {
         let areas = vertex_areas(&template.points, &template.triangles);
-        let before = places(&model.joints, &model.default_values());
         let mut new = Self {
-            world: person_places(model, &before, [template, person], &areas),
+            world: person_places(model, before, [template, person], &areas),
             shapes: HashMap::new(),
             joints: model.joints.clone(),
             values: model.default_values(),

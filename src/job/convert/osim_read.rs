@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 
 use super::osim_skeleton::osim_document;
 use crate::error::{Error, Result};
@@ -10,49 +10,62 @@ use crate::io::osim::model::{OsimBody, OsimMesh, OsimModel};
 use crate::io::osim::pose::places;
 use crate::io::skeleton::SkeletonDocument;
 use crate::io::vtp::read_vtp;
-use crate::io::{file_name, has_extension, read_bytes, read_surface};
+use crate::io::{has_extension, read_bytes, read_surface};
 use crate::job::register::skeleton_build::default_shift;
 use crate::mesh::{TriMesh, diagonal};
 
-/// Reads an OpenSim model: its skeleton, the surface of each bone in the default pose, metres, and
-/// notes on what was left out. A bone has all meshes of its body, one after the other.
-pub fn read_osim_skeleton(path: &Path) -> Result<(SkeletonDocument, Vec<TriMesh>, Vec<String>)> {
-    let text = String::from_utf8_lossy(&read_bytes(path)?).into_owned();
-    let model = OsimModel::parse(&text, path)?;
-    let (mut document, notes) = osim_document(&model);
-    let meshes = body_meshes(&model, path)?;
-    let bones: Vec<TriMesh> = meshes.iter().map(|(_, parts)| joined(parts)).collect();
-    for bone in &mut document.bones {
-        bone.mesh = format!("bones/{}.obj", file_name(&bone.name));
-    }
-    let points: Vec<_> = bones.iter().flat_map(|m| m.points.iter().copied()).collect();
-    for joint in &mut document.joints {
-        joint.limits.shift = joint.limits.shift.map(|far| far + default_shift(diagonal(&points)));
-    }
-    Ok((document, bones, notes))
+/// A model with all that it names.
+pub struct OsimFiles {
+    /// Text of the file.
+    pub text: String,
+    /// What it says.
+    pub model: OsimModel,
+    /// The meshes of each body that has some, in the default pose, metres.
+    pub meshes: Vec<Vec<TriMesh>>,
 }
 
-/// A body and its meshes in the default pose.
-pub type BodyMeshes<'a> = (&'a OsimBody, Vec<TriMesh>);
-
-/// The bodies that have meshes.
-pub fn body_meshes<'a>(model: &'a OsimModel, path: &Path) -> Result<Vec<BodyMeshes<'a>>> {
-    let world = places(&model.joints, &model.default_values());
-    let bodies = model.bodies.iter().filter(|body| !body.meshes.is_empty());
-    bodies
-        .map(|body| {
+impl OsimFiles {
+    /// Reads a model and its meshes.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = String::from_utf8_lossy(&read_bytes(path)?).into_owned();
+        let model = OsimModel::parse(&text, path)?;
+        let world = places(&model.joints, &model.default_values());
+        let placed = |body: &OsimBody| {
             let place = world.get(&body.name).copied().unwrap_or_default();
-            let read = |mesh: &OsimMesh| {
-                let mut read = read_mesh(&find_mesh(path, &mesh.file)?)?;
-                for p in &mut read.points {
-                    let scaled = Point3::from(p.component_mul(&mesh.scale));
-                    *p = (place * mesh.body_from_mesh * scaled).coords;
-                }
-                Ok(read)
-            };
-            Ok((body, body.meshes.iter().map(read).collect::<Result<_>>()?))
-        })
-        .collect()
+            let meshes = body.meshes.iter();
+            meshes.map(|mesh| read_mesh(path, mesh, &(place * mesh.body_from_mesh))).collect()
+        };
+        let meshes = model.bodies_with_meshes().map(placed).collect::<Result<_>>()?;
+        Ok(Self { text, model, meshes })
+    }
+
+    /// The skeleton, the surface of each bone, and notes on what was left out. A bone has all meshes of its
+    /// body, one after the other.
+    pub fn skeleton(&self) -> (SkeletonDocument, Vec<TriMesh>, Vec<String>) {
+        let (mut document, notes) = osim_document(&self.model);
+        let bones: Vec<TriMesh> = self.meshes.iter().map(|parts| joined(parts)).collect();
+        let points: Vec<_> = bones.iter().flat_map(|m| m.points.iter().copied()).collect();
+        let more = default_shift(diagonal(&points));
+        for joint in &mut document.joints {
+            joint.limits.shift = joint.limits.shift.map(|far| far + more);
+        }
+        (document, bones, notes)
+    }
+}
+
+/// Reads an OpenSim model as a skeleton, metres: see [`OsimFiles::skeleton`].
+pub fn read_osim_skeleton(path: &Path) -> Result<(SkeletonDocument, Vec<TriMesh>, Vec<String>)> {
+    Ok(OsimFiles::read(path)?.skeleton())
+}
+
+fn read_mesh(model: &Path, mesh: &OsimMesh, place: &Isometry3<f64>) -> Result<TriMesh> {
+    let path = find_mesh(model, &mesh.file)?;
+    let vtp = has_extension(&path, "vtp");
+    let mut read = if vtp { read_vtp(&path)? } else { read_surface(&path)?.mesh()? };
+    for p in &mut read.points {
+        *p = (place * Point3::from(p.component_mul(&mesh.scale))).coords;
+    }
+    Ok(read)
 }
 
 fn joined(parts: &[TriMesh]) -> TriMesh {
@@ -73,11 +86,4 @@ fn find_mesh(model: &Path, name: &str) -> Result<PathBuf> {
             model.display()
         ))
     })
-}
-
-fn read_mesh(path: &Path) -> Result<TriMesh> {
-    if has_extension(path, "vtp") {
-        return read_vtp(path);
-    }
-    read_surface(path)?.mesh()
 }

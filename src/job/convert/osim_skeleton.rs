@@ -1,8 +1,11 @@
 //! The bones and joints of an OpenSim model as the document of a skeleton.
+//!
+//! To a registration a joint's motion is an ellipsoid of rotation vectors and a shift, which is an
+//! approximation of OpenSim's separate and coupled ranges.
 
 use nalgebra::{Isometry3, Translation3};
 
-use crate::io::osim::joint::{OsimJoint, Values};
+use crate::io::osim::joint::{OsimCoordinate, OsimJoint, Values};
 use crate::io::osim::model::OsimModel;
 use crate::io::osim::pose::{GROUND, Places, places};
 use crate::io::skeleton::{
@@ -21,7 +24,7 @@ const SAMPLES: usize = 32;
 
 /// The document of a model's bodies with meshes and the joints between them, with sentences on what is left
 /// out. Joints lie as in the default pose. The `shift` of their limits is how far their coordinates carry
-/// them; the file of a bone's mesh is only its name.
+/// them; bones name no mesh file.
 pub fn osim_document(model: &OsimModel) -> (SkeletonDocument, Vec<String>) {
     let values = model.default_values();
     let world = places(&model.joints, &values);
@@ -48,21 +51,14 @@ pub fn osim_document(model: &OsimModel) -> (SkeletonDocument, Vec<String>) {
 
 fn entry(joint: &OsimJoint, model: &OsimModel, values: &Values, world: &Places) -> JointEntry {
     let placed = |body: &String, frame: &Isometry3<f64>| {
-        let frame = world.get(body).copied().unwrap_or_else(Isometry3::identity) * frame;
-        let q = frame.rotation.quaternion();
-        FrameEntry { t: frame.translation.vector.into(), q: [q.w, q.i, q.j, q.k] }
+        FrameEntry::from(&(world.get(body).copied().unwrap_or_default() * frame))
     };
     // The two frames meet where the default pose has carried them.
     let met = joint.body_from_parent_frame * Translation3::from(joint.shift(values));
-    let owns = |name: &str| model.leader(name).is_none();
-    let coordinates = joint.rotations.iter().filter_map(|axis| {
-        let (name, direction) = axis.own_coordinate().filter(|(name, _)| owns(name))?;
-        let coordinate = joint.coordinates.iter().find(|c| c.name == name)?;
-        Some(CoordinateEntry {
-            name: name.into(),
-            axis: direction.into(),
-            range_deg: coordinate.range.map(|x| x.clamp(-FREE, FREE).to_degrees()),
-        })
+    let coordinates = own_angles(joint, model).map(|(coordinate, axis)| CoordinateEntry {
+        name: coordinate.name.clone(),
+        axis: axis.into(),
+        range_deg: coordinate.range.map(|x| x.clamp(-FREE, FREE).to_degrees()),
     });
     JointEntry {
         name: joint.name.clone(),
@@ -76,6 +72,18 @@ fn entry(joint: &OsimJoint, model: &OsimModel, values: &Values, world: &Places) 
         coordinates: coordinates.collect(),
         ..JointEntry::default()
     }
+}
+
+/// The coordinates that are angles of the joint themselves and follow no other, each with its axis.
+fn own_angles<'a>(
+    joint: &'a OsimJoint,
+    model: &'a OsimModel,
+) -> impl Iterator<Item = (&'a OsimCoordinate, Vec3)> {
+    joint.rotations.iter().filter_map(|axis| {
+        let (name, direction) = axis.own_coordinate()?;
+        let coordinate = joint.coordinates.iter().find(|c| c.name == name)?;
+        model.leader(name).is_none().then_some((coordinate, direction))
+    })
 }
 
 /// What the joint does while each of its coordinates goes through its range, the others as they are.
@@ -96,16 +104,12 @@ fn limits(joint: &OsimJoint, model: &OsimModel, values: &Values) -> LimitsEntry 
     let side = |x: &Vec3| std::array::from_fn(|k| Some(x[k].max(LEAST_DEGREES)));
     let mut sides = SidesEntry { neg: side(&-low), pos: side(&high) };
     // More than half a turn is free: rotation vectors end there.
-    for axis in &joint.rotations {
-        let own = axis.own_coordinate().filter(|(name, _)| model.leader(name).is_none());
-        let Some((name, direction)) = own else { continue };
-        let k = direction.iamax();
-        for coordinate in joint.coordinates.iter().filter(|c| c.name == name) {
-            let beyond = coordinate.range.map(|x| x.abs() > std::f64::consts::PI);
-            let [low, high] = if direction[k] < 0.0 { [beyond[1], beyond[0]] } else { beyond };
-            sides.neg[k] = sides.neg[k].filter(|_| !low);
-            sides.pos[k] = sides.pos[k].filter(|_| !high);
-        }
+    for (coordinate, axis) in own_angles(joint, model) {
+        let k = axis.iamax();
+        let beyond = coordinate.range.map(|x| x.abs() > std::f64::consts::PI);
+        let [low, high] = if axis[k] < 0.0 { [beyond[1], beyond[0]] } else { beyond };
+        sides.neg[k] = sides.neg[k].filter(|_| !low);
+        sides.pos[k] = sides.pos[k].filter(|_| !high);
     }
     LimitsEntry {
         rot_deg: sides,

@@ -9,14 +9,14 @@ use std::path::Path;
 use nalgebra::{Point3, Translation3};
 
 use super::osim_person::OsimPerson;
-use super::osim_read::{BodyMeshes, body_meshes, read_osim_skeleton};
+use super::osim_read::OsimFiles;
 use crate::error::{Error, Result};
 use crate::io::osim::edit::{OsimChanges, edit_osim};
 use crate::io::osim::joint::{OsimJoint, Values};
 use crate::io::osim::model::{OsimBody, OsimModel};
 use crate::io::osim::pose::{Places, places};
 use crate::io::skeleton::SkeletonDocument;
-use crate::io::{file_name, read_bytes, stem, write_beside, write_surface};
+use crate::io::{file_name, stem, write_beside, write_surface};
 use crate::job::register::scene::metres_per_unit;
 use crate::job::register::skeleton_build::build_skeleton;
 use crate::math::Vec3;
@@ -35,23 +35,18 @@ pub fn write_osim(
     if mass.is_some_and(|kg| !(kg.is_finite() && kg > 0.0)) {
         return Err(Error::invalid("the mass must be a positive number of kilograms"));
     }
-    let text = String::from_utf8_lossy(&read_bytes(original)?).into_owned();
-    let model = OsimModel::parse(&text, original)?;
-    let (own_document, bones, mut notes) = read_osim_skeleton(original)?;
+    let files = OsimFiles::read(original)?;
+    let (own_document, bones, mut notes) = files.skeleton();
     let template = build_skeleton(&own_document, bones)?;
     let person = in_metres(person, metres_per_unit(document.units.as_deref()));
     check_same(&template, &person, original)?;
-    let mut changes = Changes::new(&model, &template, &person, &stem(to));
-    let total = changes.set_masses(&model.bodies, mass);
+    let mut changes = Changes::new(&files.model, &template, &person, &stem(to));
+    let total = changes.set_masses(&files.model.bodies, mass);
     if total <= 0.0 && mass.is_some() {
         return Err(Error::invalid(format!("no body of {} has a mass", original.display())));
     }
-    let edited = edit_osim(&text, original, &changes)?;
-    changes.write_meshes(
-        &person,
-        body_meshes(&model, original)?,
-        to.parent().unwrap_or(Path::new("")),
-    )?;
+    let edited = edit_osim(&files.text, original, &changes)?;
+    changes.write_meshes(&person, files, to.parent().unwrap_or(Path::new("")))?;
     write_beside(to, |out| out.write_all(edited.as_bytes()))?;
     notes.append(&mut changes.person.notes);
     if mass.is_none() && total > 0.0 {
@@ -74,10 +69,11 @@ struct Changes {
 
 impl Changes {
     fn new(model: &OsimModel, template: &Skeleton, person: &Skeleton, name: &str) -> Self {
-        let person = OsimPerson::new(model, template, person);
         let template_values = model.default_values();
-        let same_pose =
-            [&model.joints, &person.joints].map(|joints| places(joints, &template_values));
+        let before = places(&model.joints, &template_values);
+        let person = OsimPerson::new(model, &before, template, person);
+        let after = places(&person.joints, &template_values);
+        let same_pose = [before, after];
         let files = |body: &OsimBody| {
             let mesh = |k: usize| {
                 let own = Path::new(&body.meshes[k].file);
@@ -116,8 +112,9 @@ impl Changes {
     }
 
     /// Each bone comes apart into its body's meshes.
-    fn write_meshes(&self, person: &Skeleton, parts: Vec<BodyMeshes>, folder: &Path) -> Result<()> {
-        for (bone, (body, parts)) in person.bones.iter().zip(parts) {
+    fn write_meshes(&self, person: &Skeleton, files: OsimFiles, folder: &Path) -> Result<()> {
+        let bodies = files.model.bodies_with_meshes().zip(files.meshes);
+        for (bone, (body, parts)) in person.bones.iter().zip(bodies) {
             let mut rest = &person.points[bone.vertices.clone()];
             for ((mesh, mut part), file) in
                 body.meshes.iter().zip(parts).zip(&self.meshes[&body.name])
@@ -213,12 +210,14 @@ impl OsimChanges for Changes {
 mod tests {
     use super::*;
     use crate::job::convert::conversion::{Conversion, convert};
+    use crate::job::convert::osim_read::read_osim_skeleton;
     use crate::job::register::skeleton_files::read_skeleton;
     use crate::register::animation::present_angles;
     use crate::register::areas::vertex_areas;
     use crate::register::pose::rigid_targets;
     use crate::register::rotation::turned_about;
     use nalgebra::{Isometry3, UnitQuaternion};
+    use std::path::PathBuf;
 
     const MODEL: &str = r#"<?xml version="1.0"?>
 <OpenSimDocument Version="40000"><Model name="arm"><!-- a comment --><BodySet><objects>
@@ -248,6 +247,16 @@ mod tests {
     const BONE: &str =
         "v 0 0 0\nv 1 0 0\nv 0 0.5 0\nv 0 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
+    /// The model in a folder of its own, and a file in it by name.
+    fn arm(model: &str) -> (tempfile::TempDir, impl Fn(&str) -> PathBuf + use<>) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().to_path_buf();
+        let at = move |name: &str| path.join(name);
+        std::fs::write(at("arm.osim"), model).unwrap();
+        std::fs::write(at("bone.obj"), BONE).unwrap();
+        (folder, at)
+    }
+
     /// The numbers in the first element of this name behind `start`.
     fn numbers_in(text: &str, start: &str, element: &str) -> Vec<f64> {
         let from = &text[text.find(start).unwrap()..];
@@ -273,10 +282,7 @@ mod tests {
 
     #[test]
     fn a_person_is_written_into_the_model_and_read_back() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("arm.osim"), MODEL).unwrap();
-        std::fs::write(at("bone.obj"), BONE).unwrap();
+        let (_folder, at) = arm(MODEL);
         let to_skeleton = Conversion {
             from: at("arm.osim"),
             to: at("arm.skeleton.json"),
@@ -307,10 +313,7 @@ mod tests {
 
     #[test]
     fn what_lies_on_the_bones_grows_with_them() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("arm.osim"), MODEL).unwrap();
-        std::fs::write(at("bone.obj"), BONE).unwrap();
+        let (_folder, at) = arm(MODEL);
         let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
         let person = larger(&build_skeleton(&document, meshes).unwrap(), 0.0);
         let to = at("person.osim");
@@ -343,10 +346,7 @@ mod tests {
 
     #[test]
     fn a_coordinate_stays_within_its_range_and_the_frame_takes_up_the_rest() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("arm.osim"), MODEL.replace("-2 2</range>", "-2 0.5</range>")).unwrap();
-        std::fs::write(at("bone.obj"), BONE).unwrap();
+        let (_folder, at) = arm(&MODEL.replace("-2 2</range>", "-2 0.5</range>"));
         let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
         let person = larger(&build_skeleton(&document, meshes).unwrap(), 0.7);
         let to = at("person.osim");
@@ -365,10 +365,7 @@ mod tests {
 
     #[test]
     fn another_model_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("arm.osim"), MODEL).unwrap();
-        std::fs::write(at("bone.obj"), BONE).unwrap();
+        let (_folder, at) = arm(MODEL);
         let (document, meshes, _) = read_osim_skeleton(&at("arm.osim")).unwrap();
         let mut person = build_skeleton(&document, meshes).unwrap();
         person.bones[1].name = "c".into();

@@ -144,10 +144,6 @@ pub fn skeleton_document(skeleton: &Skeleton) -> SkeletonDocument {
 
 /// The entry of a joint between the bones named parent and child.
 pub fn joint_entry([parent, child]: [String; 2], joint: &Joint) -> JointEntry {
-    let frame = |f: &Isometry3<f64>| {
-        let q = f.rotation.quaternion();
-        FrameEntry { t: f.translation.vector.into(), q: [q.w, q.i, q.j, q.k] }
-    };
     let side = |s: &Vec3| std::array::from_fn(|k| s[k].is_finite().then(|| s[k].to_degrees()));
     let coordinates = joint.coordinates.iter().map(|c| CoordinateEntry {
         name: c.name.clone(),
@@ -158,8 +154,8 @@ pub fn joint_entry([parent, child]: [String; 2], joint: &Joint) -> JointEntry {
         name: joint.name.clone(),
         parent,
         child,
-        parent_frame: Some(frame(&joint.parent_frame)),
-        child_frame: Some(frame(&joint.child_frame)),
+        parent_frame: Some((&joint.parent_frame).into()),
+        child_frame: Some((&joint.child_frame).into()),
         axes: None,
         limits: LimitsEntry {
             rot_deg: SidesEntry {
