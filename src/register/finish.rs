@@ -39,7 +39,8 @@ impl Registration {
         let none = vec![0.0; points.len()];
         let motions = self.pose(&reference, &points, [&masses, &none], FINAL_STEPS);
         // What has no data wants to be nowhere else.
-        for [_, _, bone] in riders(&reference, &moments(&reference, &masses), &self.areas) {
+        for (j, to_child) in riders(&reference, &moments(&reference, &masses), &self.areas) {
+            let (_, bone) = reference.joints[j].ends(to_child);
             for i in reference.bones[bone].vertices.clone() {
                 points[i] = moved(&motions[bone], &reference.points[i]);
             }

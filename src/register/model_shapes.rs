@@ -5,6 +5,7 @@ use nalgebra::Isometry3;
 use super::areas::vertex_areas;
 use super::bone_scales::put_in_place;
 use super::joint_frames::take_shape;
+use super::riders::ride;
 use super::shape_model::ShapeModel;
 use super::skeleton::Skeleton;
 use crate::error::{Error, Result};
@@ -29,17 +30,7 @@ pub fn shape_in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
     take_shape(&mut skeleton, placed, &areas);
     // Along the joints outwards, each bone is shifted until its joint point lies on its neighbour's.
     let mut shifts = vec![Isometry3::identity(); skeleton.bones.len()];
-    for (j, to_child) in skeleton.spanning_forest(0) {
-        let joint = &skeleton.joints[j];
-        let gap = joint.parent_frame.translation.vector - joint.child_frame.translation.vector;
-        let (near, far, gap) = if to_child {
-            (joint.parent, joint.child, gap)
-        } else {
-            (joint.child, joint.parent, -gap)
-        };
-        shifts[far] = shifts[near];
-        shifts[far].translation.vector += gap;
-    }
+    ride(&skeleton, &skeleton.spanning_forest(0), &mut shifts);
     skeleton.move_bones(&shifts);
     skeleton
 }

@@ -22,8 +22,7 @@ pub(super) fn towards_mid_range(
     let mut motions = vec![Isometry3::identity(); now.bones.len()];
     for (j, to_child) in template.spanning_forest(root) {
         let (neutral, joint) = (&template.joints[j], &now.joints[j]);
-        let (near, far) =
-            if to_child { (joint.parent, joint.child) } else { (joint.child, joint.parent) };
+        let (near, far) = joint.ends(to_child);
         if !affected[far] {
             motions[far] = motions[near];
             continue;
@@ -52,8 +51,7 @@ pub(super) fn branches(skeleton: &Skeleton, root: usize, heads: &[bool]) -> Vec<
     let mut count = 0;
     for (j, to_child) in skeleton.spanning_forest(root) {
         let joint = &skeleton.joints[j];
-        let (near, far) =
-            if to_child { (joint.parent, joint.child) } else { (joint.child, joint.parent) };
+        let (near, far) = joint.ends(to_child);
         branch_of[far] = branch_of[near].or_else(|| {
             heads[far].then(|| {
                 count += 1;

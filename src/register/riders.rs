@@ -9,50 +9,43 @@ use super::pairs::UNSEEN_WEIGHT;
 use super::pose::{BoneMoments, heaviest};
 use super::skeleton::Skeleton;
 
-/// For each joint that leads to such a bone, from the inside outwards: the bone it hangs on, the joint and the
-/// bone. `moments` are those of the seen vertices.
+/// The joints that lead to such bones as steps of a spanning forest, from the inside outwards. `moments` are
+/// those of the seen vertices.
 pub(super) fn riders(
     skeleton: &Skeleton,
     moments: &[BoneMoments],
     areas: &[f64],
-) -> Vec<[usize; 3]> {
+) -> Vec<(usize, bool)> {
     let bones = skeleton.bones.iter().zip(moments);
     let mut empty: Vec<bool> = bones
         .map(|(bone, own)| {
             own.mass <= 2.0 * UNSEEN_WEIGHT * areas[bone.vertices.clone()].iter().sum::<f64>()
         })
         .collect();
-    let order: Vec<[usize; 3]> = skeleton
-        .spanning_forest(heaviest(moments))
-        .into_iter()
-        .map(|(j, to_child)| {
-            let joint = &skeleton.joints[j];
-            if to_child { [joint.parent, j, joint.child] } else { [joint.child, j, joint.parent] }
-        })
-        .collect();
-    let has_data = empty.iter().map(|empty| !empty).collect::<Vec<_>>();
-    // A bone between two with data is held from both sides.
-    for [near, _, far] in order.iter().rev() {
-        empty[*near] &= empty[*far];
-    }
     // Where a part of the skeleton has no data at all, nothing leads.
-    let mut led = has_data;
-    let mut riders = Vec::new();
-    for [near, joint, far] in order {
-        led[far] |= led[near];
-        if empty[far] && led[near] {
-            riders.push([near, joint, far]);
-        }
+    let mut led: Vec<bool> = empty.iter().map(|empty| !empty).collect();
+    let mut steps = skeleton.spanning_forest(heaviest(moments));
+    // A bone between two with data is held from both sides.
+    for &(j, to_child) in steps.iter().rev() {
+        let (near, far) = skeleton.joints[j].ends(to_child);
+        empty[near] &= empty[far];
     }
-    riders
+    steps.retain(|&(j, to_child)| {
+        let (near, far) = skeleton.joints[j].ends(to_child);
+        led[far] |= led[near];
+        empty[far] && led[near]
+    });
+    steps
 }
 
-/// Lets them go with the bones they hang on, their joints' points together.
-pub(super) fn ride(skeleton: &Skeleton, riders: &[[usize; 3]], motions: &mut [Isometry3<f64>]) {
-    for &[near, j, far] in riders {
+/// Lets bones go with those they hang on, their joints' points together: one for each of these steps of a
+/// spanning forest.
+pub(super) fn ride(skeleton: &Skeleton, steps: &[(usize, bool)], motions: &mut [Isometry3<f64>]) {
+    for &(j, to_child) in steps {
         let joint = &skeleton.joints[j];
-        let ends = [joint.parent_frame, joint.child_frame].map(|f| f.translation.vector);
-        let gap = if joint.child == far { ends[0] - ends[1] } else { ends[1] - ends[0] };
+        let (near, far) = joint.ends(to_child);
+        let gap = joint.parent_frame.translation.vector - joint.child_frame.translation.vector;
+        let gap = if to_child { gap } else { -gap };
         let motion = motions[near];
         motions[far] = Translation3::from(motion.rotation * gap) * motion;
     }
@@ -98,8 +91,8 @@ mod tests {
             let masses: Vec<f64> = areas.iter().zip(of).map(|(a, b)| a * weight(b)).collect();
             riders(&skeleton, &moments(&skeleton, &masses), &areas)
         };
-        assert_eq!(found([true, false, true, false]), [[2, 2, 3]]);
-        assert_eq!(found([false, false, true, true]), [[2, 1, 1], [1, 0, 0]]);
+        assert_eq!(found([true, false, true, false]), [(2, true)]);
+        assert_eq!(found([false, false, true, true]), [(1, false), (0, false)]);
         assert!(found([true; 4]).is_empty() && found([false; 4]).is_empty());
     }
 

@@ -65,6 +65,12 @@ impl Joint {
         }
     }
 
+    /// Its bones in the order of a step of [`Skeleton::spanning_forest`]: the one reached before, and the one
+    /// that this joint leads to.
+    pub fn ends(&self, to_child: bool) -> (usize, usize) {
+        if to_child { (self.parent, self.child) } else { (self.child, self.parent) }
+    }
+
     /// The child frame seen from the parent frame after the bones moved by `parent` and `child`.
     pub fn transform(&self, parent: &Isometry3<f64>, child: &Isometry3<f64>) -> Isometry3<f64> {
         (parent * self.parent_frame).inv_mul(&(child * self.child_frame))
@@ -224,7 +230,7 @@ impl Skeleton {
             }
             while let Some((j, to_child)) = self.next_joint(&reached) {
                 let joint = &self.joints[j];
-                reached[if to_child { joint.child } else { joint.parent }] = true;
+                reached[joint.ends(to_child).1] = true;
                 order.push((j, to_child));
             }
         }

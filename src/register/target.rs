@@ -106,7 +106,7 @@ impl Target {
     }
 
     /// Whether bone `b` has a surface to be sought on.
-    pub(super) fn has_surface_of(&self, b: usize) -> bool {
+    pub(in crate::register) fn has_surface_of(&self, b: usize) -> bool {
         !self.labelled || self.surfaces[b].is_some()
     }
 

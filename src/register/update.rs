@@ -113,8 +113,7 @@ fn let_unseen_follow(
 ) {
     for (j, to_child) in reference.spanning_forest(root) {
         let joint = &reference.joints[j];
-        let (near, far) =
-            if to_child { (joint.parent, joint.child) } else { (joint.child, joint.parent) };
+        let (near, far) = joint.ends(to_child);
         let range = reference.bones[far].vertices.clone();
         let Some(motion) = targets[near] else { continue };
         if unseen[range.clone()].iter().all(|area| *area <= 0.0) {

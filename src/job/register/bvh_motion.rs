@@ -32,7 +32,7 @@ fn tree(skeleton: &Skeleton) -> Vec<Hang> {
     let reached = |b: usize| {
         forest.iter().any(|&(j, to_child)| {
             let joint = &skeleton.joints[j];
-            b == if to_child { joint.child } else { joint.parent }
+            b == joint.ends(to_child).1
         })
     };
     let loose = (1..skeleton.bones.len()).filter(|&b| !reached(b));

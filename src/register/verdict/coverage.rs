@@ -52,8 +52,6 @@ pub(super) struct Coverage {
 /// The part of it that concerns one bone.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BoneCoverage {
-    /// Whether the target has a surface for it.
-    pub(super) has_data: bool,
     /// Share of the bone that lies on the target.
     pub(super) seen: f64,
     /// Share of the bone that lies on a place of the target on which another bone lies, nearer than it.
@@ -69,7 +67,6 @@ pub(super) struct BoneCoverage {
 /// One surface of the target with the bones that are looked for in it.
 struct Look<'a> {
     surface: &'a SearchedSurface,
-    bones: Range<usize>,
     vertices: Range<usize>,
     triangles: Range<usize>,
 }
@@ -88,9 +85,6 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
     let mut bones = vec![BoneCoverage::default(); skeleton.bones.len()];
     let (mut explained, mut whole) = (0.0, 0.0);
     for (look, (forward, backward)) in looks.iter().zip(&sights) {
-        for bone in &mut bones[look.bones.clone()] {
-            bone.has_data = true;
-        }
         let mut owner = vec![usize::MAX; look.surface.mesh.points.len()];
         for sight in backward {
             whole += sight.area;
@@ -133,7 +127,6 @@ fn looks<'a>(skeleton: &Skeleton, target: &'a Target) -> Vec<Look<'a>> {
         let [from, to] = [first, last].map(|b| &skeleton.bones[b]);
         Some(Look {
             surface,
-            bones: first..last + 1,
             vertices: from.vertices.start..to.vertices.end,
             triangles: from.triangles.start..to.triangles.end,
         })

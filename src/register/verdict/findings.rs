@@ -5,6 +5,7 @@ use super::coverage::Coverage;
 use super::distortion::Distortion;
 use super::evidence::Evidence;
 use crate::register::summary::JointSummary;
+use crate::register::target::Target;
 
 // Limits beyond which a figure makes doubtful, and failed.
 /// Share of a bone that the target does not show.
@@ -46,12 +47,13 @@ pub(super) fn image_findings(evidence: &Evidence, b: usize) -> (f64, Vec<Finding
 
 /// Share of bone `b` that lies on the target, and what the target says of it.
 pub(super) fn surface_findings(
+    target: &Target,
     coverage: &Coverage,
     b: usize,
     change: &Distortion,
 ) -> (f64, Vec<Finding>) {
     let seen = &coverage.bones[b];
-    if !seen.has_data {
+    if !target.has_surface_of(b) {
         let reason = "the target has no surface of it: it follows its joints".to_owned();
         return (0.0, vec![Finding::new(1.0, NO_DATA, reason)]);
     }

@@ -27,7 +27,7 @@ pub(in crate::register) fn judge_bones(
     for b in 0..changes.len() {
         let (share, mut own) = match &seen {
             None => image_findings(evidence, b),
-            Some(coverage) => surface_findings(coverage, b, &changes[b]),
+            Some(coverage) => surface_findings(evidence.target, coverage, b, &changes[b]),
         };
         own.extend(shape_findings(evidence, &changes, b));
         shares.push(share);

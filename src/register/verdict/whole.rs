@@ -15,7 +15,8 @@ const LEFT_OUT: [f64; 2] = [0.05, 0.9];
 /// Bones that are named in a sentence.
 const NAMED: usize = 5;
 
-fn listed(names: &[&str]) -> String {
+fn listed<'a>(bones: impl Iterator<Item = &'a (&'a BoneSummary, &'a bool)>) -> String {
+    let names: Vec<&str> = bones.map(|(bone, _)| bone.name.as_str()).collect();
     let more = names.len().saturating_sub(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     names[..names.len().min(NAMED)].join(", ") + &more
@@ -29,15 +30,12 @@ pub(in crate::register) fn judge_whole(
     explained: Option<f64>,
     left_out: f64,
 ) -> Judgement {
-    let sought: Vec<&BoneSummary> =
-        bones.iter().zip(without).filter(|(_, without)| !**without).map(|(b, _)| b).collect();
-    let is = |verdict| sought.iter().filter(move |b| b.verdict == verdict);
+    let (absent, sought): (Vec<_>, Vec<_>) =
+        bones.iter().zip(without).partition(|(_, without)| **without);
+    let is = |verdict| sought.iter().filter(move |(b, _)| b.verdict == verdict);
     let (failed, doubtful) = (is(Verdict::Failed), is(Verdict::Doubtful));
     let counts = [failed.clone().count(), doubtful.clone().count()];
     let share = (counts[0] as f64 + 0.5 * counts[1] as f64) / sought.len().max(1) as f64;
-    let absent: Vec<&str> =
-        bones.iter().zip(without).filter(|(_, w)| **w).map(|(b, _)| b.name.as_str()).collect();
-    let names: Vec<&str> = failed.chain(doubtful).map(|b| b.name.as_str()).collect();
     let unexplained = 1.0 - explained.unwrap_or(1.0);
     Judgement::new(vec![
         Finding::new(
@@ -48,7 +46,7 @@ pub(in crate::register) fn judge_whole(
                 counts[0],
                 sought.len(),
                 counts[1],
-                listed(&names)
+                listed(failed.chain(doubtful))
             ),
         ),
         Finding::new(
@@ -58,7 +56,7 @@ pub(in crate::register) fn judge_whole(
                 "the target has no surface of {} of {} bones, which follow their joints: {}",
                 absent.len(),
                 bones.len(),
-                listed(&absent)
+                listed(absent.iter())
             ),
         ),
         Finding::new(
