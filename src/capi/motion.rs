@@ -10,7 +10,7 @@ use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers, handles};
 use crate::io::gltf::write_glb;
 use crate::io::has_extension;
-use crate::job::{metres_per_unit, read_motion, scene, write_motion_file};
+use crate::job::{read_motion, write_motion_file};
 use crate::register::animation::{Motion, unknown_angles};
 
 /// Named angles over time, and the skeleton that they move. Immutable; may be read from many threads.
@@ -138,13 +138,11 @@ pub unsafe extern "C" fn mlg_motion_save(
     access::with((motion, "motion"), error, |object: &MotionObject| {
         // SAFETY: the caller's promise (see the module).
         let path = unsafe { buffers::new_path(path, "path")? };
-        let skeleton = &object.skeleton.skeleton;
         if has_extension(&path, "glb") {
-            let unit = metres_per_unit(object.skeleton.document.units.as_deref());
-            return Ok(write_glb(&path, &scene(skeleton, Some(&object.motion), unit)?)?);
+            return Ok(write_glb(&path, &object.skeleton.scene(Some(&object.motion), None)?)?);
         }
         if has_extension(&path, "mot") || has_extension(&path, "bvh") {
-            return Ok(write_motion_file(&path, skeleton, &object.motion)?);
+            return Ok(write_motion_file(&path, &object.skeleton.skeleton, &object.motion)?);
         }
         Err(Failure {
             status: MlgStatus::Unsupported,

@@ -12,10 +12,13 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::{access, handles};
+use crate::error::Result;
+use crate::io::gltf::GltfScene;
 use crate::io::skeleton::{BoneEntry, FORMAT, JointEntry, SkeletonDocument, VERSION};
 use crate::job::skeleton_build::{build_skeleton, joint_entry};
+use crate::job::{Tissue, metres_per_unit, scene};
 use crate::math::Mat3;
-use crate::register::animation::present_angles;
+use crate::register::animation::{Motion, present_angles};
 use crate::register::{Joint, JointLimits, Skeleton};
 
 /// Bones and the joints between them. Immutable; may be read from many threads.
@@ -97,6 +100,8 @@ pub(super) struct SkeletonObject {
     pub skeleton: Skeleton,
     /// Each bone as it was given; a result shares them with its template.
     pub surfaces: Vec<Arc<Surface>>,
+    /// The soft tissues that its file names.
+    pub tissues: Vec<Tissue>,
     /// The shape model that its file names.
     pub statistics: Option<PathBuf>,
     /// What was left out when it was read, one sentence per line.
@@ -121,6 +126,7 @@ impl SkeletonObject {
         Self {
             bone_names: skeleton.bones.iter().map(|b| buffers::c_text(&b.name)).collect(),
             joint_names: skeleton.joints.iter().map(|j| buffers::c_text(&j.name)).collect(),
+            tissues: Vec::new(),
             statistics: None,
             notes: buffers::c_text(&notes.join("\n")),
             angle_names,
@@ -129,6 +135,12 @@ impl SkeletonObject {
             skeleton,
             surfaces,
         }
+    }
+
+    /// The skeleton with its soft tissues. `unit`: metres; what its file says where it is none.
+    pub fn scene(&self, motion: Option<&Motion>, unit: Option<f64>) -> Result<GltfScene> {
+        let unit = unit.unwrap_or(metres_per_unit(self.document.units.as_deref()));
+        scene(&self.skeleton, &self.tissues, motion, unit)
     }
 }
 

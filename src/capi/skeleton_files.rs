@@ -14,7 +14,7 @@ use crate::io::gltf::write_glb;
 use crate::io::{file_name, has_extension, write_beside, write_surface};
 use crate::job::skeleton_build::{build_skeleton, skeleton_document};
 use crate::job::{
-    metres_per_unit, read_motion, read_osim_skeleton, read_skeleton, scene, write_osim,
+    TissueFile, read_motion, read_osim_skeleton, read_skeleton, read_tissues, write_osim,
 };
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
@@ -44,8 +44,10 @@ fn load(path: &Path) -> Result<SkeletonObject> {
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let statistics = files.document.statistics.as_ref().map(|name| folder.join(name));
+    let tissues = read_tissues(path, &files.document, &[])?;
+    let tissues = tissues.iter().map(TissueFile::tissue).collect::<Result<_>>()?;
     let object = SkeletonObject::new(files.document, files.skeleton, surfaces, &[]);
-    Ok(SkeletonObject { statistics, ..object })
+    Ok(SkeletonObject { tissues, statistics, ..object })
 }
 
 fn load_osim(path: &Path) -> Result<SkeletonObject> {
@@ -64,8 +66,8 @@ pub unsafe extern "C" fn mlg_skeleton_notes(skeleton: *const MlgSkeleton) -> *co
 
 /// Writes a skeleton: a name that ends in `.json` takes the skeleton file, with the bones as `.obj`
 /// in `bones/` beside it (texture coordinates and groups of bones that were read as `.obj` are kept);
-/// `.glb` takes a scene in which each bone hangs on its joint. Soft tissues are not written. `path`:
-/// UTF-8.
+/// `.glb` takes a scene in which each bone hangs on its joint and the soft tissues that the skeleton's file
+/// names bend with the bones; a `.json` leaves them out. `path`: UTF-8.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_skeleton_save(
     skeleton: *const MlgSkeleton,
@@ -79,8 +81,7 @@ pub unsafe extern "C" fn mlg_skeleton_save(
             return Ok(save_json(object, &path)?);
         }
         if has_extension(&path, "glb") {
-            let unit = metres_per_unit(object.document.units.as_deref());
-            return Ok(write_glb(&path, &scene(&object.skeleton, None, unit)?)?);
+            return Ok(write_glb(&path, &object.scene(None, None)?)?);
         }
         Err(Failure {
             status: MlgStatus::Unsupported,
@@ -141,8 +142,8 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
         // SAFETY: as above.
         let path = unsafe { buffers::new_path(path, "path")? };
         let unit = match unit_in_metres {
-            0.0 => metres_per_unit(object.document.units.as_deref()),
-            unit if unit > 0.0 && unit.is_finite() => unit,
+            0.0 => None,
+            unit if unit > 0.0 && unit.is_finite() => Some(unit),
             other => {
                 return Err(Failure::invalid(format!(
                     "unit_in_metres is {other}; it must be above 0, or 0"
@@ -151,7 +152,7 @@ pub unsafe extern "C" fn mlg_skeleton_save_motion(
         };
         let flipped: Vec<String> = flipped.into_iter().flatten().collect();
         let motion: Motion = read_motion(&motion_path, &object.skeleton, &flipped)?;
-        Ok(write_glb(&path, &scene(&object.skeleton, Some(&motion), unit)?)?)
+        Ok(write_glb(&path, &object.scene(Some(&motion), unit)?)?)
     })
 }
 

@@ -1,4 +1,5 @@
-//! Skeletons for viewers: binary glTF 2.0 (`.glb`) with one node and mesh per bone and a motion.
+//! Skeletons for viewers: binary glTF 2.0 (`.glb`) with one node and mesh per bone, soft tissues as skins,
+//! and a motion.
 //!
 //! glTF has no joint limits; they go into `extras` of the bone's node, which Blender shows as
 //! custom properties. Its unit is the metre and its up axis is y, so the scene's root node turns
@@ -9,16 +10,17 @@ use std::path::Path;
 use nalgebra::Isometry3;
 use serde_json::{Value, json};
 
+use super::gltf_buffer::{Buffer, VERTEX};
 use super::write_beside;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
-/// Component types and targets of glTF.
-const FLOAT: u32 = 5126;
-const UNSIGNED_INT: u32 = 5125;
-const ARRAY_BUFFER: u32 = 34962;
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+/// Nodes that carry a vertex at most.
+const NODES_OF_VERTEX: usize = 4;
+/// Places of the materials in the file.
+const BONE: usize = 0;
+const TISSUE: usize = 1;
 
 /// One node with its mesh.
 #[derive(Clone, Debug)]
@@ -37,65 +39,28 @@ pub struct GltfNode {
     pub track: Vec<Isometry3<f64>>,
 }
 
+/// A surface that bends with several nodes.
+#[derive(Clone, Debug)]
+pub struct GltfSkin {
+    /// Name.
+    pub name: String,
+    /// Mesh where it lies while all nodes are as their `local` says, in the frame of nodes without parent.
+    pub mesh: TriMesh,
+    /// For each vertex up to four nodes and how much each carries it: positive, sum 1.
+    pub weights: Vec<Vec<(usize, f64)>>,
+}
+
 /// A scene.
 #[derive(Clone, Debug)]
 pub struct GltfScene {
     /// Nodes, parents first.
     pub nodes: Vec<GltfNode>,
+    /// Surfaces that bend with the nodes.
+    pub skins: Vec<GltfSkin>,
     /// Seconds of the motion's frames.
     pub times: Vec<f64>,
     /// Metres per unit of the points, such as 0.001.
     pub metres_per_unit: f64,
-}
-
-#[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Buffer {
-    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
-        let mut view =
-            json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
-        if let Some(target) = target {
-            view["target"] = target.into();
-        }
-        self.bytes.extend_from_slice(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.push(view);
-        self.views.len() - 1
-    }
-
-    /// Rows of `WIDTH` floats with their bounds.
-    fn floats<const WIDTH: usize>(
-        &mut self,
-        rows: &[[f32; WIDTH]],
-        kind: &str,
-        target: Option<u32>,
-    ) -> usize {
-        let bytes: Vec<u8> = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        let view = self.view(&bytes, target);
-        let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
-            (0..WIDTH).map(|k| rows.iter().map(|r| r[k]).reduce(pick).unwrap_or(0.0)).collect()
-        };
-        self.accessors.push(json!({
-            "bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": kind,
-            "min": bound(f32::min), "max": bound(f32::max)
-        }));
-        self.accessors.len() - 1
-    }
-
-    fn indices(&mut self, triangles: &[[u32; 3]]) -> usize {
-        let bytes: Vec<u8> = triangles.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        let view = self.view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
-        self.accessors.push(json!({
-            "bufferView": view, "componentType": UNSIGNED_INT,
-            "count": 3 * triangles.len(), "type": "SCALAR"
-        }));
-        self.accessors.len() - 1
-    }
 }
 
 fn translation(frame: &Isometry3<f64>) -> [f32; 3] {
@@ -135,15 +100,29 @@ pub fn glb_bytes(scene: &GltfScene) -> Result<Vec<u8>> {
             entry["children"] = json!(children);
         }
         nodes.push(entry);
-        meshes.push(mesh_entry(&mut buffer, node));
+        meshes.push(mesh_entry(&node.name, mesh_attributes(&mut buffer, &node.mesh), BONE));
     }
+    // A skinned mesh is drawn where its joints are; its own node is a root that does not matter.
+    let mut roots = vec![0];
+    for skin in &scene.skins {
+        roots.push(nodes.len());
+        nodes.push(json!({"name": skin.name, "mesh": meshes.len(), "skin": 0}));
+        let mut attributes = mesh_attributes(&mut buffer, &skin.mesh);
+        add_weights(&mut buffer, skin, scene.nodes.len(), &mut attributes)?;
+        meshes.push(mesh_entry(&skin.name, attributes, TISSUE));
+    }
+    let skin = (!scene.skins.is_empty()).then(|| skin_entry(&mut buffer, scene));
     let animation = animation(&mut buffer, scene)?;
     let mut document = json!({
         "asset": {"version": "2.0", "generator": concat!("moulage ", env!("CARGO_PKG_VERSION"))},
-        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes, "meshes": meshes,
+        "scene": 0, "scenes": [{"nodes": roots}], "nodes": nodes, "meshes": meshes,
+        "materials": materials(!scene.skins.is_empty()),
         "accessors": buffer.accessors, "bufferViews": buffer.views,
         "buffers": [{"byteLength": buffer.bytes.len()}]
     });
+    if let Some(skin) = skin {
+        document["skins"] = json!([skin]);
+    }
     if let Some(animation) = animation {
         document["animations"] = json!([animation]);
     }
@@ -163,20 +142,94 @@ fn root_node(scene: &GltfScene) -> Value {
     })
 }
 
-fn mesh_entry(buffer: &mut Buffer, node: &GltfNode) -> Value {
+/// Ivory for bones; tissue lets them shine through.
+fn materials(tissue: bool) -> Value {
+    let material = |name: &str, color: [f64; 4]| {
+        json!({"name": name, "pbrMetallicRoughness": {
+            "baseColorFactor": color, "metallicFactor": 0.0, "roughnessFactor": 0.7
+        }})
+    };
+    let mut list = vec![material("bone", [0.85, 0.78, 0.63, 1.0])];
+    if tissue {
+        let mut soft = material("tissue", [0.62, 0.20, 0.16, 0.6]);
+        soft["alphaMode"] = json!("BLEND");
+        list.push(soft);
+    }
+    json!(list)
+}
+
+fn mesh_entry(name: &str, primitive: Value, material: usize) -> Value {
+    let mut primitive = primitive;
+    primitive["material"] = material.into();
+    json!({"name": name, "primitives": [primitive]})
+}
+
+/// A primitive with positions, normals and triangles.
+fn mesh_attributes(buffer: &mut Buffer, mesh: &TriMesh) -> Value {
     let rows = |points: &[Vec3]| -> Vec<[f32; 3]> {
         points.iter().map(|p| p.map(|x| x as f32).into()).collect()
     };
-    let mut normals = node.mesh.vertex_normals();
+    let mut normals = mesh.vertex_normals();
     for normal in normals.iter_mut().filter(|n| n.norm_squared() < 0.5) {
         *normal = Vec3::z();
     }
-    let position = buffer.floats(&rows(&node.mesh.points), "VEC3", Some(ARRAY_BUFFER));
-    let normal = buffer.floats(&rows(&normals), "VEC3", Some(ARRAY_BUFFER));
-    let indices = buffer.indices(&node.mesh.triangles);
-    json!({"name": node.name, "primitives": [
-        {"attributes": {"POSITION": position, "NORMAL": normal}, "indices": indices}
-    ]})
+    let position = buffer.floats(&rows(&mesh.points), "VEC3", Some(VERTEX));
+    let normal = buffer.floats(&rows(&normals), "VEC3", Some(VERTEX));
+    let indices = buffer.indices(&mesh.triangles);
+    json!({"attributes": {"POSITION": position, "NORMAL": normal}, "indices": indices})
+}
+
+fn add_weights(
+    buffer: &mut Buffer,
+    skin: &GltfSkin,
+    node_count: usize,
+    primitive: &mut Value,
+) -> Result<()> {
+    let name = &skin.name;
+    if skin.weights.len() != skin.mesh.points.len() {
+        return Err(Error::invalid(format!("{name}: a row of weights is needed for each vertex")));
+    }
+    let wrong = |row: &Vec<(usize, f64)>| {
+        row.is_empty() || row.len() > NODES_OF_VERTEX || row.iter().any(|(k, _)| *k >= node_count)
+    };
+    if node_count > usize::from(u16::MAX) || skin.weights.iter().any(wrong) {
+        return Err(Error::invalid(format!("{name}: one to four of 65,535 nodes carry a vertex")));
+    }
+    let mut joints = Vec::with_capacity(skin.weights.len());
+    let mut weights = Vec::with_capacity(skin.weights.len());
+    for row in &skin.weights {
+        let (mut nodes, mut shares) = ([0_u16; NODES_OF_VERTEX], [0.0_f32; NODES_OF_VERTEX]);
+        for (k, &(node, share)) in row.iter().enumerate() {
+            (nodes[k], shares[k]) = (node as u16, share as f32);
+        }
+        // The rounded shares sum to one as well.
+        shares[0] = 1.0 - shares[1..].iter().sum::<f32>();
+        joints.push(nodes);
+        weights.push(shares);
+    }
+    primitive["attributes"]["JOINTS_0"] = buffer.shorts(&joints, "VEC4").into();
+    primitive["attributes"]["WEIGHTS_0"] = buffer.floats(&weights, "VEC4", Some(VERTEX)).into();
+    Ok(())
+}
+
+/// All nodes as joints, with the way from the world into each.
+fn skin_entry(buffer: &mut Buffer, scene: &GltfScene) -> Value {
+    let mut world: Vec<Isometry3<f64>> = Vec::with_capacity(scene.nodes.len());
+    for node in &scene.nodes {
+        world.push(node.parent.map_or(node.local, |parent| world[parent] * node.local));
+    }
+    let inverse: Vec<[f32; 16]> = world
+        .iter()
+        .map(|frame| {
+            let columns = frame.inverse().to_homogeneous();
+            std::array::from_fn(|k| columns.as_slice()[k] as f32)
+        })
+        .collect();
+    let joints: Vec<usize> = (1..=scene.nodes.len()).collect();
+    json!({
+        "name": "skeleton", "joints": joints, "skeleton": 0,
+        "inverseBindMatrices": buffer.floats(&inverse, "MAT4", None)
+    })
 }
 
 fn animation(buffer: &mut Buffer, scene: &GltfScene) -> Result<Option<Value>> {
@@ -254,6 +307,11 @@ mod tests {
         };
         let mut scene = GltfScene {
             nodes: vec![node("a", None), node("b", Some(0))],
+            skins: vec![GltfSkin {
+                name: "skin".into(),
+                mesh: mesh.clone(),
+                weights: vec![vec![(0, 0.7), (1, 0.3)], vec![(1, 1.0)], vec![(0, 1.0)]],
+            }],
             times: vec![0.5, 1.0],
             metres_per_unit: 0.001,
         };
@@ -269,6 +327,11 @@ mod tests {
             .iter()
             .map(|v| v["byteOffset"].as_u64().unwrap() + v["byteLength"].as_u64().unwrap());
         assert!(end.max().unwrap() <= document["buffers"][0]["byteLength"].as_u64().unwrap());
+        assert_eq!(document["skins"][0]["joints"], json!([1, 2]));
+        assert_eq!(document["scenes"][0]["nodes"], json!([0, 3]));
+        scene.skins[0].weights[2] = vec![(2, 1.0)];
+        assert!(glb_bytes(&scene).is_err());
+        scene.skins.clear();
         scene.times.push(2.0);
         assert!(glb_bytes(&scene).is_err());
     }

@@ -18,6 +18,7 @@ mod dicom;
 mod dicom_lengths;
 mod fcsv;
 pub mod gltf;
+mod gltf_buffer;
 mod gmsh;
 pub mod h5_json;
 mod label_names;

@@ -46,6 +46,7 @@ pub mod sampled_clusters;
 mod samples;
 pub mod shape_model;
 pub mod skeleton;
+pub mod skin;
 mod soft_limits;
 mod spring_pose;
 mod springs;

@@ -4,34 +4,17 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::scene::scene;
+use super::scene::{Tissue, metres_per_unit, scene};
 use super::skeleton_build::skeleton_document;
-use super::skeleton_files::SkeletonFiles;
+use super::skeleton_files::{SkeletonFiles, TissueFile};
 use super::spec::RegisterJob;
 use crate::error::Result;
 use crate::io::gltf::write_glb;
 use crate::io::skeleton::{ReferenceImage, SkeletonDocument, SoftEntry};
-use crate::io::{SurfaceFile, file_name, read_surface, read_volume, write_beside, write_profiles};
+use crate::io::{file_name, read_volume, write_beside, write_profiles};
 use crate::register::animation::{Motion, present_angles};
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Appearance, Registered};
-
-/// A soft tissue surface to carry.
-pub(crate) struct Carried {
-    name: String,
-    file: SurfaceFile,
-}
-
-/// The soft tissues of the skeleton file and those named in the job.
-pub(crate) fn read_carried(job: &RegisterJob, files: &SkeletonFiles) -> Result<Vec<Carried>> {
-    let folder = job.skeleton.parent().unwrap_or(Path::new(""));
-    let own = files.document.soft.iter().map(|s| (s.name.clone(), folder.join(&s.mesh)));
-    let more = job.carry.iter().flatten().map(|path| {
-        let stem = path.file_stem().map_or_else(|| "soft".into(), |s| s.to_string_lossy());
-        (stem.into_owned(), path.clone())
-    });
-    own.chain(more).map(|(name, path)| Ok(Carried { name, file: read_surface(&path)? })).collect()
-}
 
 /// Writes bones, skeleton file, scene and carried tissues; returns the files.
 pub(crate) fn write(
@@ -39,7 +22,7 @@ pub(crate) fn write(
     job: &RegisterJob,
     files: &SkeletonFiles,
     found: &Registered,
-    carried: &[Carried],
+    tissues: &[TissueFile],
     motion: Option<&Motion>,
 ) -> Result<Vec<PathBuf>> {
     let mut written = Vec::new();
@@ -51,12 +34,15 @@ pub(crate) fn write(
         file.write_with_points(&path, &found.skeleton.points[bone.vertices.clone()])?;
         written.push(path);
     }
-    for Carried { name, file } in carried {
-        let points = carry_soft_tissue(&files.skeleton, &found.skeleton.points, &file.mesh()?)?;
-        let mesh = format!("soft/{}.obj", file_name(name));
-        file.write_with_points(&folder.join(&mesh), &points)?;
-        written.push(folder.join(&mesh));
-        document.soft.push(SoftEntry { name: name.clone(), mesh });
+    let mut carried = Vec::new();
+    for tissue in tissues {
+        let Tissue { name, mut mesh } = tissue.tissue()?;
+        mesh.points = carry_soft_tissue(&files.skeleton, &found.skeleton.points, &mesh)?;
+        let path = format!("soft/{}.obj", file_name(&name));
+        tissue.file.write_with_points(&folder.join(&path), &mesh.points)?;
+        written.push(folder.join(&path));
+        document.soft.push(SoftEntry { name: name.clone(), mesh: path });
+        carried.push(Tissue { name, mesh });
     }
     if let Some(volume) = &job.volume {
         // What the person's bones look like there, for following them through other images.
@@ -74,7 +60,8 @@ pub(crate) fn write(
     write_beside(&path, |out| out.write_all(text.as_bytes()))?;
     written.push(path);
     let path = folder.join("skeleton.glb");
-    let scene = scene(&found.skeleton, motion, job.metres_per_unit.unwrap_or(0.001))?;
+    let unit = job.metres_per_unit.unwrap_or(metres_per_unit(document.units.as_deref()));
+    let scene = scene(&found.skeleton, &carried, motion, unit)?;
     write_glb(&path, &scene)?;
     written.push(path);
     Ok(written)

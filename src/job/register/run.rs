@@ -9,7 +9,7 @@ use super::model_file::read_shape_model;
 use super::motion_files::read_motion;
 use super::output;
 use super::report::RegisterReport;
-use super::skeleton_files::{SkeletonFiles, read_skeleton};
+use super::skeleton_files::{SkeletonFiles, read_skeleton, read_tissues};
 use super::spec::RegisterJob;
 use super::target::read_target;
 use crate::error::{Error, Result};
@@ -44,7 +44,8 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
         read_bone_landmarks(job.landmarks.as_deref().unwrap_or_default(), &files.skeleton)?;
     let target = target.with_landmarks(&files.skeleton, &landmarks.landmarks)?;
     notes.extend(landmarks.warning.clone());
-    let carried = output::read_carried(job, &files)?;
+    let more = job.carry.as_deref().unwrap_or_default();
+    let tissues = read_tissues(&job.skeleton, &files.document, more)?;
     let flip = job.flip.as_deref().unwrap_or_default();
     let motion = job.motion.as_deref();
     let motion = motion.map(|path| read_motion(path, &files.skeleton, flip)).transpose()?;
@@ -66,7 +67,7 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     run.enter("writing", 0.97);
     if let Some(folder) = &job.out {
         report.written =
-            output::write(folder, job, &files, &registered, &carried, motion.as_ref())?;
+            output::write(folder, job, &files, &registered, &tissues, motion.as_ref())?;
     }
     if let Some(folder) = &job.report {
         report.write(folder, &files.skeleton, &target, &registered)?;

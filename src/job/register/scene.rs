@@ -4,10 +4,12 @@ use nalgebra::Isometry3;
 use serde_json::json;
 
 use crate::error::Result;
-use crate::io::gltf::{GltfNode, GltfScene};
+use crate::io::gltf::{GltfNode, GltfScene, GltfSkin};
 use crate::math::Vec3;
+use crate::mesh::TriMesh;
 use crate::register::Skeleton;
 use crate::register::animation::{Motion, animate};
+use crate::register::skin::skin_weights;
 
 /// Metres per unit of a skeleton file that says its unit; millimetres otherwise.
 pub fn metres_per_unit(units: Option<&str>) -> f64 {
@@ -18,9 +20,20 @@ pub fn metres_per_unit(units: Option<&str>) -> f64 {
     }
 }
 
-/// The skeleton as a tree of nodes, each in the frame of the joint it hangs on.
+/// A soft tissue in the pose of its skeleton.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tissue {
+    /// Its name.
+    pub name: String,
+    /// Its surface.
+    pub mesh: TriMesh,
+}
+
+/// The skeleton as a tree of nodes, each in the frame of the joint it hangs on, and soft tissues that bend
+/// with it.
 pub fn scene(
     skeleton: &Skeleton,
+    tissues: &[Tissue],
     motion: Option<&Motion>,
     metres_per_unit: f64,
 ) -> Result<GltfScene> {
@@ -61,8 +74,17 @@ pub fn scene(
             track: poses.iter().map(|p| local(Some(p))).collect(),
         }
     });
+    let nodes = nodes.collect();
+    let skins = tissues.iter().map(|tissue| {
+        let mut weights = skin_weights(skeleton, &tissue.mesh)?;
+        for (bone, _) in weights.iter_mut().flatten() {
+            *bone = node_of(*bone).unwrap_or_default();
+        }
+        Ok(GltfSkin { name: tissue.name.clone(), mesh: tissue.mesh.clone(), weights })
+    });
+    let skins = skins.collect::<Result<_>>()?;
     let times = motion.map(|m| m.times.clone()).unwrap_or_default();
-    Ok(GltfScene { nodes: nodes.collect(), times, metres_per_unit })
+    Ok(GltfScene { nodes, skins, times, metres_per_unit })
 }
 
 fn limits_value(skeleton: &Skeleton, j: usize) -> serde_json::Value {

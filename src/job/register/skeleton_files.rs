@@ -1,11 +1,12 @@
 //! A skeleton file with its meshes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::scene::Tissue;
 use super::skeleton_build::build_skeleton;
 use crate::error::Result;
 use crate::io::skeleton::SkeletonDocument;
-use crate::io::{SurfaceFile, read_surface, read_text};
+use crate::io::{SurfaceFile, read_surface, read_text, stem};
 use crate::mesh::TriMesh;
 use crate::register::Skeleton;
 
@@ -32,4 +33,34 @@ pub fn read_skeleton(path: &Path) -> Result<SkeletonFiles> {
     let meshes = surfaces.iter().map(SurfaceFile::mesh).collect::<Result<Vec<TriMesh>>>()?;
     let skeleton = build_skeleton(&document, meshes)?;
     Ok(SkeletonFiles { document, skeleton, surfaces })
+}
+
+/// A soft tissue with its file.
+#[derive(Clone, Debug)]
+pub struct TissueFile {
+    /// Its name.
+    pub name: String,
+    /// Its surface.
+    pub file: SurfaceFile,
+}
+
+impl TissueFile {
+    /// Its surface in the skeleton's pose.
+    pub fn tissue(&self) -> Result<Tissue> {
+        Ok(Tissue { name: self.name.clone(), mesh: self.file.mesh()? })
+    }
+}
+
+/// Reads the soft tissues that a skeleton file names, `path` being the skeleton file, and `more` surfaces.
+pub fn read_tissues(
+    path: &Path,
+    document: &SkeletonDocument,
+    more: &[PathBuf],
+) -> Result<Vec<TissueFile>> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let own = document.soft.iter().map(|s| (s.name.clone(), folder.join(&s.mesh)));
+    let more = more.iter().map(|path| (stem(path), path.clone()));
+    own.chain(more)
+        .map(|(name, path)| Ok(TissueFile { name, file: read_surface(&path)? }))
+        .collect()
 }

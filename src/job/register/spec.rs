@@ -94,7 +94,8 @@ pub struct RegisterJob {
     /// Folder for report.html and report.json
     #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Output"))]
     pub report: Option<PathBuf>,
-    /// Metres per unit of the template, for skeleton.glb [default: 0.001]
+    /// Metres per unit of the template, for skeleton.glb [default: what its file
+    /// says, else 0.001]
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", help_heading = "Output"))]
     pub metres_per_unit: Option<f64>,
 }
