@@ -2452,8 +2452,8 @@ const char *mlg_skeleton_notes(const MlgSkeleton *skeleton);
 /**
  * Writes a skeleton: a name that ends in `.json` takes the skeleton file, with the bones as `.obj`
  * in `bones/` beside it (texture coordinates and groups of bones that were read as `.obj` are kept);
- * `.glb` takes a scene in which each bone hangs on its joint. Soft tissues are not written. `path`:
- * UTF-8.
+ * `.glb` takes a scene in which each bone hangs on its joint and the soft tissues that the skeleton's file
+ * names bend with the bones; a `.json` leaves them out. `path`: UTF-8.
  */
 MlgStatus mlg_skeleton_save(const MlgSkeleton *skeleton,
                             const char *path,
