@@ -24,6 +24,12 @@ pub struct RegisterJob {
     /// each bone its label), instead of --target
     #[cfg_attr(feature = "cli", arg(long, value_name = "PATH", help_heading = "Input"))]
     pub labels: Option<PathBuf>,
+    /// The label of --target that is bone [default: the only one]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "N", requires = "target", help_heading = "Input")
+    )]
+    pub label: Option<u32>,
     /// Image of the person instead of a surface; the template must lie near the bones
     #[cfg_attr(feature = "cli", arg(long, value_name = "VOLUME", help_heading = "Input"))]
     pub volume: Option<PathBuf>,

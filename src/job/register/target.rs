@@ -23,7 +23,9 @@ pub fn read_target(job: &RegisterJob, files: &SkeletonFiles) -> Result<(Target, 
 
 fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
     match (&job.target, &job.labels) {
-        (Some(map), None) if job.volume.is_none() && is_volume(map) => bone_label_target(map),
+        (Some(map), None) if job.volume.is_none() && is_volume(map) => {
+            bone_label_target(map, job.label)
+        }
         (Some(path), None) if job.volume.is_none() => Target::whole(read_surface(path)?.mesh()?),
         (None, Some(map)) if job.volume.is_none() && map.is_file() => {
             labelled_target(map, skeleton)
@@ -54,13 +56,14 @@ fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
     }
 }
 
-/// One surface of the only label of a map: all bones together.
-fn bone_label_target(path: &Path) -> Result<Target> {
+/// One surface of one label of a map, the only one where none is named: all bones together.
+fn bone_label_target(path: &Path, label: Option<u32>) -> Result<Target> {
     let labels = read_volume(path)?.volume;
     let wrong = |e: Error| Error::parse(path, None, e.to_string());
-    let label = labels.only_label().map_err(wrong)?;
-    let (points, triangles) = label_surface(&labels, label)
-        .ok_or_else(|| wrong(Error::invalid("the label fills the whole image")))?;
+    let label = label.map_or_else(|| labels.only_label(), Ok).map_err(wrong)?;
+    let (points, triangles) = label_surface(&labels, label).ok_or_else(|| {
+        wrong(Error::invalid(format!("label {label} is nowhere in the image, or all of it")))
+    })?;
     Target::whole(TriMesh::new(points, triangles)?)
 }
 
@@ -82,4 +85,31 @@ fn labelled_target(path: &Path, skeleton: &Skeleton) -> Result<Target> {
         ));
     }
     Target::per_bone(skeleton, surfaces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_label_of_a_map_is_the_bone_and_has_to_be_named_if_there_are_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.nrrd");
+        let mut file =
+            b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 9 9 9\nencoding: raw\nspace: RAS\n\
+            space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n"
+                .to_vec();
+        let label_at = |i: usize| match (i % 9, i / 9 % 9, i / 81) {
+            (1..=2, 1..=7, 1..=7) => 3,
+            (5..=7, 1..=7, 1..=7) => 8,
+            _ => 0,
+        };
+        file.extend((0..729).map(label_at));
+        std::fs::write(&path, file).unwrap();
+        let error = bone_label_target(&path, None).unwrap_err().to_string();
+        assert!(error.contains("labels.nrrd") && error.contains("--label: 3, 8"), "{error}");
+        assert!(bone_label_target(&path, Some(8)).is_ok());
+        let error = bone_label_target(&path, Some(4)).unwrap_err().to_string();
+        assert!(error.contains("label 4 is nowhere"), "{error}");
+    }
 }
