@@ -7,7 +7,7 @@ use moulage::job::check_file;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Surfaces, markers, pairs, tet meshes, images (files or DICOM folders) or job files
+    /// Surfaces, markers, pairs, tet meshes, images (files or DICOM folders), skeletons, motions or job files
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 }

@@ -9,7 +9,8 @@ mod report;
 mod reshape;
 mod separate;
 
-pub use check::{FileCheck, check_file};
+pub use check::file_check::FileCheck;
+pub use check::kinds::check_file;
 pub use convert::conversion::{Conversion, convert};
 pub use convert::osim_read::read_osim_skeleton;
 pub use convert::osim_write::write_osim;

@@ -1,24 +1,23 @@
-//! `moulage check`: what is in a file, and what is wrong with it, in words.
+//! What a file holds and what is wrong with it, in words, by its kind.
 
 use std::path::Path;
 
-use super::reshape::inputs::Inputs;
-use super::reshape::spec::ReshapeJob;
+use serde_json::Value;
+
+use super::file_check::{FileCheck, extent};
+use super::skeleton::{osim_file, skeleton_file};
 use crate::error::{Error, Result};
 use crate::io;
+use crate::io::bvh::read_bvh;
+use crate::io::mot::read_motion;
+use crate::io::skeleton::FORMAT;
+use crate::job::reshape::inputs::Inputs;
+use crate::job::reshape::spec::ReshapeJob;
 use crate::math::Vec3;
-use crate::mesh::{SurfaceCheck, TetQuality, bounding_box};
+use crate::mesh::{SurfaceCheck, TetQuality};
 
-/// What a file holds and what is wrong with it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FileCheck {
-    /// What it is, one sentence.
-    pub content: String,
-    /// What is wrong, one sentence each.
-    pub findings: Vec<String>,
-}
-
-/// Looks at a surface, marker, tet mesh, pair or job file. Files that cannot be read are errors.
+/// Looks at a surface, markers, a tet mesh, pairs, an image, a skeleton, a motion or a job. Files that cannot be
+/// read are errors.
 pub fn check_file(path: &Path) -> Result<FileCheck> {
     if io::is_volume(path) {
         return volume(path);
@@ -30,9 +29,12 @@ pub fn check_file(path: &Path) -> Result<FileCheck> {
         Some("node" | "ele" | "vtu" | "veg" | "msh") => tets(path),
         Some("csv") => table(path),
         Some("toml") => job(path),
+        Some("osim") => osim_file(path),
+        Some("mot" | "sto" | "bvh") => motion(path),
+        Some("json") if is_skeleton(path) => skeleton_file(path),
         Some("json" | "fcsv" | "pp" | "txt" | "xyz" | "pts" | "tsv") => markers(path),
         _ => Err(Error::Unsupported(format!(
-            "{}: this kind of file is not known; surfaces, markers, tet meshes, images and job files are",
+            "{}: this kind of file is not known; surfaces, markers, tet meshes, images, skeletons, motions and job files are",
             path.display()
         ))),
     }
@@ -108,6 +110,28 @@ fn tets(path: &Path) -> Result<FileCheck> {
     Ok(FileCheck { content: content.replace('\n', ", "), findings: Vec::new() })
 }
 
+/// Whether a `.json` file lists bones or says that it is a skeleton file.
+fn is_skeleton(path: &Path) -> bool {
+    let value = io::read_bytes(path).ok().and_then(|b| serde_json::from_slice::<Value>(&b).ok());
+    value.is_some_and(|v| v.get("bones").is_some() || v["format"] == FORMAT)
+}
+
+fn motion(path: &Path) -> Result<FileCheck> {
+    let (count, what, frames, seconds) = if io::has_extension(path, "bvh") {
+        let bvh = read_bvh(path)?;
+        let last = bvh.frames.len().saturating_sub(1) as f64;
+        (bvh.nodes.len(), "nodes", bvh.frames.len(), [0.0, last * bvh.frame_seconds])
+    } else {
+        let table = read_motion(path)?;
+        let ends =
+            [table.times.first(), table.times.last()].map(|t| t.copied().unwrap_or_default());
+        (table.names.len(), "columns", table.times.len(), ends)
+    };
+    let [first, last] = seconds;
+    let content = format!("a motion of {count} {what} in {frames} frames, {first} to {last} s");
+    Ok(FileCheck { content, findings: Vec::new() })
+}
+
 /// A CSV file is what its columns make it.
 fn table(path: &Path) -> Result<FileCheck> {
     let counted = |count: usize, what: &str| FileCheck {
@@ -145,10 +169,4 @@ fn job(path: &Path) -> Result<FileCheck> {
         ),
         findings,
     })
-}
-
-fn extent(points: &[Vec3]) -> String {
-    let (low, high) = bounding_box(points).unwrap_or_default();
-    let size = high - low;
-    format!("{:.4} x {:.4} x {:.4} in size", size.x, size.y, size.z)
 }
