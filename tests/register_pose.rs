@@ -69,6 +69,7 @@ fn hand() -> Skeleton {
             limits: limits([10.0; 3], [10.0; 3], 1.0),
             in_tree: false,
             coordinates: Vec::new(),
+            path: None,
         });
     }
     hand

@@ -8,7 +8,7 @@ use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, handles};
-use crate::job::result_document;
+use crate::job::{build_paths, result_document};
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Registered, Verdict};
 
@@ -170,7 +170,8 @@ pub unsafe extern "C" fn mlg_registration_result_skeleton(
     access::make((out_skeleton, "out_skeleton"), error, || {
         let result = handles::get::<RegistrationResult, _>(result, "result")?;
         let document = result_document(&result.template.document, &result.registered);
-        let skeleton = result.registered.skeleton.clone();
+        let mut skeleton = result.registered.skeleton.clone();
+        build_paths(&mut skeleton, &document)?;
         let surfaces = result.template.surfaces.clone();
         Ok(SkeletonObject::new(document, skeleton, surfaces, &[]))
     })

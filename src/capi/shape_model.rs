@@ -7,7 +7,7 @@ use super::boundary::{Failure, MlgError, MlgStatus, Outcome, guard};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers, handles};
-use crate::job::skeleton_build::skeleton_document;
+use crate::job::skeleton_build::document_of;
 use crate::job::{read_shape_model, write_shape_model};
 use crate::math::Vec3;
 use crate::register::{ShapeModel, left_out, same_bones, shape_in_place};
@@ -193,9 +193,7 @@ pub unsafe extern "C" fn mlg_shape_model_shape(
         }
         let template = &object.template;
         let skeleton = shape_in_place(&template.skeleton, &object.model.synthesize(&coefficients));
-        let mut document = skeleton_document(&skeleton);
-        document.units.clone_from(&template.document.units);
-        document.frame.clone_from(&template.document.frame);
+        let document = document_of(&skeleton, &template.document);
         let surfaces: Vec<Arc<Surface>> = template.surfaces.clone();
         Ok(SkeletonObject::new(document, skeleton, surfaces, &[]))
     })

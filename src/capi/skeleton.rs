@@ -233,6 +233,7 @@ unsafe fn entry_of(joint: &MlgJoint, bones: &[BoneEntry]) -> Outcome<JointEntry>
         limits,
         in_tree: buffers::switch(joint.in_tree, "in_tree")?,
         coordinates: Vec::new(),
+        path: None,
     };
     let mut entry = joint_entry([bone(joint.parent)?, bone(joint.child)?], &full);
     if !has_frames {

@@ -12,7 +12,7 @@ use super::{access, buffers};
 use crate::error::Result;
 use crate::io::gltf::write_glb;
 use crate::io::{file_name, has_extension, write_beside, write_surface};
-use crate::job::skeleton_build::{build_skeleton, skeleton_document};
+use crate::job::skeleton_build::{build_skeleton, document_of};
 use crate::job::{
     TissueFile, read_motion, read_osim_skeleton, read_skeleton, read_tissues, write_osim,
 };
@@ -92,16 +92,10 @@ pub unsafe extern "C" fn mlg_skeleton_save(
 
 fn save_json(object: &SkeletonObject, path: &Path) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut document = skeleton_document(&object.skeleton);
     let known = &object.document;
-    document.units.clone_from(&known.units);
-    document.frame.clone_from(&known.frame);
+    let mut document = document_of(&object.skeleton, known);
     document.clusters.clone_from(&known.clusters);
     document.result.clone_from(&known.result);
-    for (entry, own) in document.joints.iter_mut().zip(&known.joints) {
-        entry.axes.clone_from(&own.axes);
-        entry.source.clone_from(&own.source);
-    }
     for ((entry, bone), surface) in
         document.bones.iter_mut().zip(&object.skeleton.bones).zip(&object.surfaces)
     {

@@ -6,8 +6,8 @@
 use std::path::Path;
 
 pub use super::skeleton_document::{
-    BoneEntry, CoordinateEntry, FORMAT, FrameEntry, JointEntry, LimitsEntry, ReferenceImage,
-    SidesEntry, SkeletonDocument, SoftEntry, VERSION,
+    BoneEntry, CoordinateEntry, FORMAT, FollowsEntry, FrameEntry, JointEntry, LimitsEntry,
+    ReferenceImage, SidesEntry, SkeletonDocument, SoftEntry, StationEntry, VERSION,
 };
 use super::skeleton_hinges::HingeDocument;
 use crate::error::{Error, Result};

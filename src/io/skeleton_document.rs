@@ -1,6 +1,6 @@
 //! What a skeleton file holds.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 /// Value of `format`.
@@ -113,6 +113,35 @@ pub struct JointEntry {
     /// Named angles for motions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub coordinates: Vec<CoordinateEntry>,
+    /// The angle that leads the joint in motions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<FollowsEntry>,
+}
+
+/// How a joint follows an angle: by gliding or on a path.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FollowsEntry {
+    /// Name of the angle.
+    pub angle: String,
+    /// The child glides on the parent's surface, pulled by the bone that the angle moves: a knee cap.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub glide: bool,
+    /// Where the joint's frame on the child is, seen from its frame on the parent, at rising angles.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path: Vec<StationEntry>,
+}
+
+/// A place on a path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StationEntry {
+    /// The angle there, degrees.
+    pub deg: f64,
+    /// Origin.
+    pub t: [f64; 3],
+    /// Rotation, unit quaternion w, x, y, z.
+    pub q: [f64; 4],
 }
 
 /// A rigid frame.
@@ -123,6 +152,15 @@ pub struct FrameEntry {
     pub t: [f64; 3],
     /// Rotation, unit quaternion w, x, y, z.
     pub q: [f64; 4],
+}
+
+impl FrameEntry {
+    /// The frame; none if `q` is no rotation.
+    pub fn isometry(&self) -> Option<Isometry3<f64>> {
+        let [w, i, j, k] = self.q;
+        let rotation = UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-6)?;
+        Some(Isometry3::from_parts(self.t.into(), rotation))
+    }
 }
 
 impl From<&Isometry3<f64>> for FrameEntry {

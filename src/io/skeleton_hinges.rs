@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use super::skeleton_document::{
-    BoneEntry, CoordinateEntry, FORMAT, JointEntry, LimitsEntry, SidesEntry, SkeletonDocument,
-    VERSION,
+    BoneEntry, CoordinateEntry, FORMAT, FollowsEntry, JointEntry, LimitsEntry, SidesEntry,
+    SkeletonDocument, VERSION,
 };
 use crate::error::{Error, Result};
 
@@ -54,6 +54,8 @@ struct Hinge {
     centre: [f64; 3],
     axis: [f64; 3],
     range_rad: [f64; 2],
+    /// The angle that leads the joint in motions.
+    follows: Option<FollowsEntry>,
 }
 
 impl HingeDocument {
@@ -132,6 +134,7 @@ fn joint(parent: &str, child: &str, hinges: &[&Hinge], path: &Path) -> Result<Jo
     let centre = Vector3::from(first.centre);
     entry.parent_frame = Some((&Isometry3::from_parts(centre.into(), rotation)).into());
     entry.source = Some(first.kind.clone());
+    entry.follows.clone_from(&first.follows);
     if first.kind != "hinge" {
         if first.kind.starts_with("6dof") {
             let side = [Some(LOOSE_DEGREES); 3];

@@ -5,13 +5,16 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Translation3, Unit, UnitQuaternion};
 
+use super::joint_path::JointPath;
 use super::rotation::rotation_vector;
-use super::skeleton::{Joint, Skeleton};
+use super::skeleton::{Coordinate, Joint, Skeleton};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
-/// Newton steps at most for the angles of a joint with two or three axes.
+/// Newton steps at most for the angles of a joint with two or three axes, or with a path.
 const MAX_STEPS: usize = 50;
+/// Angles are found to this many radians.
+const PRECISION: f64 = 1e-14;
 
 /// Joint angles over time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,19 +48,40 @@ pub fn joint_rotation(joint: &Joint, angles: &[f64]) -> UnitQuaternion<f64> {
 
 /// The angles of a joint, one per coordinate, whose rotation comes nearest to `rotation`.
 pub fn joint_angles(joint: &Joint, rotation: &UnitQuaternion<f64>) -> Vec<f64> {
-    let count = joint.coordinates.len();
-    if count == 0 {
-        return Vec::new();
+    match (joint.coordinates.as_slice(), &joint.path) {
+        ([], _) => Vec::new(),
+        ([own], Some(path)) if own.name == path.leader() => {
+            vec![angle_on_path(path, own, rotation)]
+        }
+        _ => angles_of_axes(joint, rotation),
     }
+}
+
+/// The angle at which no turn about the coordinate's axis leads from the path's rotation to this one.
+fn angle_on_path(path: &JointPath, own: &Coordinate, rotation: &UnitQuaternion<f64>) -> f64 {
+    let mut angle = twist(rotation, &own.axis);
+    for _ in 0..MAX_STEPS {
+        let step = twist(&(rotation * path.at(angle).rotation.inverse()), &own.axis);
+        angle += step;
+        if step.abs() < PRECISION {
+            break;
+        }
+    }
+    angle
+}
+
+/// The turn about an axis that is in a rotation, within half a turn.
+fn twist(rotation: &UnitQuaternion<f64>, axis: &Vec3) -> f64 {
+    let turn = 2.0 * rotation.imag().dot(axis).atan2(rotation.w);
+    turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round()
+}
+
+fn angles_of_axes(joint: &Joint, rotation: &UnitQuaternion<f64>) -> Vec<f64> {
+    let count = joint.coordinates.len();
     let r = rotation_vector(rotation);
     let mut angles: Vec<f64> = joint.coordinates.iter().map(|c| c.axis.dot(&r)).collect();
     if count == 1 {
-        // The twist about the axis in closed form.
-        let along = rotation.imag().dot(&joint.coordinates[0].axis);
-        let half = along.atan2(rotation.w);
-        let turn = 2.0 * half;
-        angles[0] = turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round();
-        return angles;
+        return vec![twist(rotation, &joint.coordinates[0].axis)];
     }
     for _ in 0..MAX_STEPS {
         let error = rotation_vector(&(rotation * joint_rotation(joint, &angles).inverse()));
@@ -73,7 +97,7 @@ pub fn joint_angles(joint: &Joint, rotation: &UnitQuaternion<f64>) -> Vec<f64> {
         for (angle, d) in angles.iter_mut().zip(step.iter()) {
             *angle += d.clamp(-1.0, 1.0);
         }
-        if step.norm() < 1e-14 {
+        if step.norm() < PRECISION {
             break;
         }
     }
@@ -82,19 +106,27 @@ pub fn joint_angles(joint: &Joint, rotation: &UnitQuaternion<f64>) -> Vec<f64> {
 
 /// All named angles of the skeleton as it lies.
 pub fn present_angles(skeleton: &Skeleton) -> Vec<(String, f64)> {
+    let names = |joint: &Joint| -> Vec<String> {
+        joint.coordinates.iter().map(|c| c.name.clone()).collect()
+    };
+    skeleton.joints.iter().flat_map(|j| names(j).into_iter().zip(angles_now(j))).collect()
+}
+
+fn angles_now(joint: &Joint) -> Vec<f64> {
     let still = Isometry3::identity();
-    skeleton
-        .joints
-        .iter()
-        .flat_map(|joint| {
-            let angles = joint_angles(joint, &joint.transform(&still, &still).rotation);
-            joint.coordinates.iter().map(|c| c.name.clone()).zip(angles)
-        })
-        .collect()
+    joint_angles(joint, &joint.transform(&still, &still).rotation)
+}
+
+/// One named angle as the skeleton lies; none if no joint has it.
+pub fn present_angle(skeleton: &Skeleton, name: &str) -> Option<f64> {
+    skeleton.joints.iter().find_map(|joint| {
+        let k = joint.coordinates.iter().position(|c| c.name == name)?;
+        angles_now(joint).get(k).copied()
+    })
 }
 
 /// Motions of all bones from where they lie to the pose with the given angles, `root` held still.
-/// `angle` gives the angle of a coordinate, or `None` to keep it; joints without coordinates keep
+/// `angle` gives the angle of a coordinate, or `None` to keep it; joints that no angle moves or leads keep
 /// their pose.
 pub fn posed(
     skeleton: &Skeleton,
@@ -106,7 +138,7 @@ pub fn posed(
     for (j, to_child) in skeleton.spanning_forest(root) {
         let joint = &skeleton.joints[j];
         let present = joint.transform(&still, &still);
-        let wanted = wanted_transform(joint, &present, &angle);
+        let wanted = wanted_transform(skeleton, joint, &present, &angle);
         if to_child {
             let parent = motions[joint.parent] * joint.parent_frame;
             motions[joint.child] = parent * wanted * joint.child_frame.inverse();
@@ -119,10 +151,15 @@ pub fn posed(
 }
 
 fn wanted_transform(
+    skeleton: &Skeleton,
     joint: &Joint,
     present: &Isometry3<f64>,
     angle: &impl Fn(&str) -> Option<f64>,
 ) -> Isometry3<f64> {
+    if let Some(path) = &joint.path {
+        let ends = present_angle(skeleton, path.leader()).zip(angle(path.leader()));
+        return ends.map_or(*present, |(now, next)| path.led(present, now, next));
+    }
     let given: Vec<Option<f64>> = joint.coordinates.iter().map(|c| angle(&c.name)).collect();
     if given.iter().all(Option::is_none) {
         return *present;

@@ -55,11 +55,29 @@ pub fn take_shape(skeleton: &mut Skeleton, after: Vec<Vec3>, areas: &[f64]) {
         .par_iter()
         .map(|j| [follow(j.parent, &j.parent_frame), follow(j.child, &j.child_frame)])
         .collect();
+    let bones = skeleton.bones.iter().map(|bone| bone.vertices.clone());
+    let growths: Vec<f64> = bones
+        .map(|own| growth([&skeleton.points[own.clone()], &after[own.clone()]], &areas[own]))
+        .collect();
     for (joint, [parent_frame, child_frame]) in skeleton.joints.iter_mut().zip(frames) {
         joint.parent_frame = parent_frame;
         joint.child_frame = child_frame;
+        if let Some(path) = &mut joint.path {
+            path.scale(growths[joint.parent]);
+        }
     }
     skeleton.points = after;
+}
+
+/// How much larger a bone has become: the ratio of its radii of gyration.
+fn growth(points: [&[Vec3]; 2], areas: &[f64]) -> f64 {
+    let total: f64 = areas.iter().sum();
+    let [before, after] = points.map(|points| {
+        let middle = points.iter().zip(areas).map(|(p, a)| p * *a).sum::<Vec3>() / total;
+        points.iter().zip(areas).map(|(p, a)| a * (p - middle).norm_squared()).sum::<f64>()
+    });
+    let ratio = (after / before).sqrt();
+    if ratio.is_finite() { ratio } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -67,13 +85,16 @@ mod tests {
     use super::*;
     use crate::register::areas::vertex_areas;
     use crate::register::joint_limits::JointLimits;
+    use crate::register::joint_path::JointPath;
     use crate::register::skeleton::tests::{block, joint_at};
 
     fn bone() -> Skeleton {
         let limits = JointLimits::new(Vec3::zeros(), Vec3::zeros(), 1.0).unwrap();
         let a = block(Vec3::zeros(), Vec3::new(10.0, 1.0, 1.0), 12);
         let b = block(Vec3::new(21.0, 0.0, 0.0), Vec3::new(10.0, 1.0, 1.0), 12);
-        let joint = joint_at("ab", [0, 1], Vec3::new(10.0, 0.0, 0.0), limits);
+        let mut joint = joint_at("ab", [0, 1], Vec3::new(10.0, 0.0, 0.0), limits);
+        let way = [(0.0, Isometry3::identity()), (1.0, Isometry3::translation(2.0, 0.0, 0.0))];
+        joint.path = Some(JointPath::new("slide".into(), way.to_vec()).unwrap());
         Skeleton::new(vec![("a".into(), a), ("b".into(), b)], vec![joint]).unwrap()
     }
 
@@ -103,6 +124,9 @@ mod tests {
         take_shape(&mut skeleton, after, &areas);
         let centre = skeleton.joints[0].parent_frame.translation.vector;
         assert!((centre.x - 11.0).abs() < 0.35, "{centre}");
+        // A path is as much longer as the bone along which it goes: not quite a tenth, by its long side.
+        let path = skeleton.joints[0].path.as_ref().unwrap();
+        assert!((path.at(1.0).translation.x - 2.2).abs() < 0.01, "{path:?}");
         assert!(centre.y.abs() < 1e-9);
     }
 }

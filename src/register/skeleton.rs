@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
 use super::joint_limits::JointLimits;
+use super::joint_path::JointPath;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -53,6 +54,8 @@ pub struct Joint {
     pub in_tree: bool,
     /// Named angles; may be empty.
     pub coordinates: Vec<Coordinate>,
+    /// How it goes in a motion, if an angle leads it: its only own one, or one of another joint.
+    pub path: Option<JointPath>,
 }
 
 impl Joint {
@@ -214,6 +217,7 @@ impl Skeleton {
         for joint in &mut self.joints {
             scale(joint.parent, &mut joint.parent_frame.translation.vector);
             scale(joint.child, &mut joint.child_frame.translation.vector);
+            joint.path.iter_mut().for_each(|path| path.scale(factor));
         }
     }
 
@@ -301,6 +305,7 @@ pub(crate) mod tests {
             limits,
             in_tree: true,
             coordinates: Vec::new(),
+            path: None,
         }
     }
 

@@ -80,6 +80,17 @@ impl Function {
         }
     }
 
+    /// Whether it has one value everywhere.
+    pub fn is_constant(&self) -> bool {
+        let zero = |coefficient: &f64| *coefficient == 0.0;
+        match self {
+            Self::Polynomial(coefficients) => coefficients.iter().rev().skip(1).all(zero),
+            Self::Pieces(pieces) => {
+                pieces.cubics.iter().all(|[_, rest @ ..]| rest.iter().all(zero))
+            }
+        }
+    }
+
     /// The function times a number.
     #[must_use]
     pub fn times(mut self, factor: f64) -> Self {

@@ -5,12 +5,12 @@
 
 use nalgebra::{Isometry3, Translation3};
 
-use crate::io::osim::joint::{OsimCoordinate, OsimJoint, Values};
+use crate::io::osim::joint::{Axis, OsimCoordinate, OsimJoint, Values};
 use crate::io::osim::model::OsimModel;
 use crate::io::osim::pose::{GROUND, Places, places};
 use crate::io::skeleton::{
-    BoneEntry, CoordinateEntry, FORMAT, FrameEntry, JointEntry, LimitsEntry, SidesEntry,
-    SkeletonDocument, VERSION,
+    BoneEntry, CoordinateEntry, FORMAT, FollowsEntry, FrameEntry, JointEntry, LimitsEntry,
+    SidesEntry, SkeletonDocument, StationEntry, VERSION,
 };
 use crate::math::Vec3;
 use crate::register::rotation::rotation_vector;
@@ -70,6 +70,7 @@ fn entry(joint: &OsimJoint, model: &OsimModel, values: &Values, world: &Places) 
         tree: true,
         source: Some("osim".into()),
         coordinates: coordinates.collect(),
+        follows: path(joint, model, values),
         ..JointEntry::default()
     }
 }
@@ -84,6 +85,47 @@ fn own_angles<'a>(
         let coordinate = joint.coordinates.iter().find(|c| c.name == name)?;
         model.leader(name).is_none().then_some((coordinate, direction))
     })
+}
+
+/// The way of a joint that one angle leads and that is more than a turn by it.
+fn path(joint: &OsimJoint, model: &OsimModel, values: &Values) -> Option<FollowsEntry> {
+    let moving = joint.rotations.iter().chain(&joint.translations);
+    let moving: Vec<&Axis> = moving.filter(|axis| !axis.function.is_constant()).collect();
+    let mut leaders: Vec<&str> = moving
+        .iter()
+        .filter_map(|axis| axis.coordinate.as_deref())
+        .map(|c| led_by(c, model))
+        .collect();
+    leaders.dedup();
+    let [leader] = leaders[..] else { return None };
+    let is_turn = moving.len() == 1 && own_angles(joint, model).next().is_some();
+    let angle_of = |other: &&OsimJoint| own_angles(other, model).any(|(c, _)| c.name == leader);
+    let known = model.joints.iter().find(angle_of);
+    let range = model.coordinates().find(|c| c.name == leader)?.range;
+    let [low, high] = range.map(|x| x.clamp(-std::f64::consts::PI, std::f64::consts::PI));
+    // The default pose may lie beyond the range.
+    let default = values.get(leader)?;
+    let (low, high) = (low.min(*default), high.max(*default));
+    if is_turn || known.is_none() || low >= high {
+        return None;
+    }
+    let still = Translation3::from(joint.shift(values)).inverse();
+    let stations = (0..=SAMPLES).map(|k| {
+        let value = low + (high - low) * k as f64 / SAMPLES as f64;
+        let mut values = values.clone();
+        values.insert(leader.to_string(), value);
+        model.couple(&mut values);
+        let FrameEntry { t, q } = (&(still * joint.transform(&values))).into();
+        StationEntry { deg: value.to_degrees(), t, q }
+    });
+    Some(FollowsEntry { angle: leader.into(), path: stations.collect(), ..FollowsEntry::default() })
+}
+
+/// The coordinate that a coordinate follows in the end, or itself.
+fn led_by<'a>(coordinate: &'a str, model: &'a OsimModel) -> &'a str {
+    // As many steps as couplers: they may lead in a circle.
+    let steps = 0..model.couplers.len();
+    steps.fold(coordinate, |name, _| model.leader(name).map_or(name, |c| c.leading.as_str()))
 }
 
 /// What the joint does while each of its coordinates goes through its range, the others as they are.
@@ -136,6 +178,9 @@ fn values_within(name: &str, range: [f64; 2], model: &OsimModel) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::io::osim::model::tests::LEG;
+    use crate::job::register::skeleton_build::build_skeleton;
+    use crate::mesh::TriMesh;
+    use crate::register::animation::posed;
     use std::path::Path;
 
     #[test]
@@ -161,6 +206,32 @@ mod tests {
         assert!(groove.coordinates.is_empty());
         assert!((groove.limits.rot_deg.pos[0].unwrap() - 1_f64.to_degrees()).abs() < 1e-9);
         assert_eq!(groove.limits.rot_deg.neg[0], Some(LEAST_DEGREES));
+    }
+
+    #[test]
+    fn bodies_go_as_the_model_says_when_an_angle_leads_them() {
+        let text = LEG.replace(
+            "<LinearFunction><coefficients>0.01 0</coefficients></LinearFunction>",
+            "<SimmSpline><x>-2 -1 0 0.5</x><y>0.006 0.01 0 0.001</y></SimmSpline>",
+        );
+        let model = OsimModel::parse(&text, Path::new("leg.osim")).unwrap();
+        let (document, _) = osim_document(&model);
+        let triangle =
+            TriMesh::new(vec![Vec3::x(), Vec3::y(), Vec3::z()], vec![[0, 1, 2]]).unwrap();
+        let skeleton = build_skeleton(&document, vec![triangle; 3]).unwrap();
+        let start = places(&model.joints, &model.default_values());
+        for angle in [-1.95, -1.7, -0.3, 0.05, 0.4] {
+            let motions = posed(&skeleton, 0, |name| (name == "knee_angle").then_some(angle));
+            let mut values = model.default_values();
+            values.insert("knee_angle".into(), angle);
+            model.couple(&mut values);
+            let there = places(&model.joints, &values);
+            for (bone, motion) in skeleton.bones.iter().zip(&motions) {
+                let rest = (motion * start[&bone.name]).inv_mul(&there[&bone.name]);
+                let (far, turn) = (rest.translation.vector.norm(), rest.rotation.angle());
+                assert!(far < 5e-5 && turn < 1e-9, "{} at {angle}: {far} {turn}", bone.name);
+            }
+        }
     }
 
     #[test]

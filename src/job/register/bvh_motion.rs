@@ -261,6 +261,7 @@ mod tests {
                     range: [-3.0, 3.0],
                 })
                 .collect(),
+            path: None,
         };
         let at = |x: f64| Vec3::new(x, 0.5 * x, 1.0);
         let bones = ["trunk", "left arm", "left_hand", "right"];

@@ -13,6 +13,7 @@ pub(crate) mod run;
 pub(crate) mod scene;
 pub mod skeleton_build;
 pub(crate) mod skeleton_files;
+pub(crate) mod skeleton_paths;
 pub(crate) mod spec;
 pub(crate) mod target;
 pub(crate) mod track;

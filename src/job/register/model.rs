@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::model_file::{read_shape_model, write_shape_model};
-use super::skeleton_build::skeleton_document;
+use super::skeleton_build::document_of;
 use super::skeleton_files::{SkeletonFiles, read_skeleton};
 use crate::error::{Error, Result};
 use crate::io::{file_name, write_beside};
@@ -133,9 +133,7 @@ pub fn run_model_shape(job: &ModelShapeJob) -> Result<PathBuf> {
 }
 
 fn write_shape(folder: &Path, files: &SkeletonFiles, shape: &Skeleton) -> Result<PathBuf> {
-    let mut document = skeleton_document(shape);
-    document.units.clone_from(&files.document.units);
-    document.frame.clone_from(&files.document.frame);
+    let mut document = document_of(shape, &files.document);
     for ((bone, entry), file) in shape.bones.iter().zip(&mut document.bones).zip(&files.surfaces) {
         entry.mesh = format!("bones/{}.obj", file_name(&bone.name));
         let points = &shape.points[bone.vertices.clone()];

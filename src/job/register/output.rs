@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::scene::{Tissue, metres_per_unit, scene};
-use super::skeleton_build::skeleton_document;
+use super::skeleton_build::document_of;
 use super::skeleton_files::{SkeletonFiles, TissueFile};
+use super::skeleton_paths::build_paths;
 use super::spec::RegisterJob;
 use crate::error::Result;
 use crate::io::gltf::write_glb;
@@ -61,7 +62,9 @@ pub(crate) fn write(
     written.push(path);
     let path = folder.join("skeleton.glb");
     let unit = job.metres_per_unit.unwrap_or(metres_per_unit(document.units.as_deref()));
-    let scene = scene(&found.skeleton, &carried, motion, unit)?;
+    let mut skeleton = found.skeleton.clone();
+    build_paths(&mut skeleton, &document)?;
+    let scene = scene(&skeleton, &carried, motion, unit)?;
     write_glb(&path, &scene)?;
     written.push(path);
     Ok(written)
@@ -70,15 +73,9 @@ pub(crate) fn write(
 /// The person's skeleton file, with all that the template's says and the figures of the result; bones
 /// in `bones/`, no soft tissue yet.
 pub fn result_document(template: &SkeletonDocument, found: &Registered) -> SkeletonDocument {
-    let mut document = skeleton_document(&found.skeleton);
-    document.units.clone_from(&template.units);
-    document.frame.clone_from(&template.frame);
+    let mut document = document_of(&found.skeleton, template);
     for bone in &mut document.bones {
         bone.mesh = format!("bones/{}.obj", file_name(&bone.name));
-    }
-    for (entry, old) in document.joints.iter_mut().zip(&template.joints) {
-        entry.axes.clone_from(&old.axes);
-        entry.source.clone_from(&old.source);
     }
     document.result = Some(result_value(found));
     document

@@ -1,7 +1,8 @@
 //! From a skeleton document and its meshes to the skeleton that the algorithms work on, and back.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
+use super::skeleton_paths::{build_paths, follows_entry};
 use crate::error::{Error, Result};
 use crate::io::skeleton::{
     BoneEntry, CoordinateEntry, FORMAT, FrameEntry, JointEntry, LimitsEntry, SidesEntry,
@@ -36,6 +37,7 @@ pub fn build_skeleton(document: &SkeletonDocument, meshes: Vec<TriMesh>) -> Resu
     for (bone, entry) in skeleton.bones.iter_mut().zip(&document.bones) {
         bone.label = entry.label;
     }
+    build_paths(&mut skeleton, document)?;
     Ok(skeleton)
 }
 
@@ -51,14 +53,12 @@ fn build_joint(
     diagonal: f64,
 ) -> Result<Joint> {
     let frame = |f: &FrameEntry| {
-        let q = Quaternion::new(f.q[0], f.q[1], f.q[2], f.q[3]);
-        let rotation = UnitQuaternion::try_new(q, 1e-6).ok_or_else(|| {
+        f.isometry().ok_or_else(|| {
             Error::invalid(format!(
                 "joint {}: \"q\" must be a unit quaternion w, x, y, z",
                 entry.name
             ))
-        })?;
-        Ok::<_, Error>(Isometry3::from_parts(Translation3::from(Vec3::from(f.t)), rotation))
+        })
     };
     let given =
         [&entry.parent_frame, &entry.child_frame].map(|f| f.as_ref().map(frame).transpose());
@@ -99,6 +99,7 @@ fn build_joint(
         limits,
         in_tree: entry.tree,
         coordinates,
+        path: None,
     })
 }
 
@@ -142,6 +143,22 @@ pub fn skeleton_document(skeleton: &Skeleton) -> SkeletonDocument {
     }
 }
 
+/// The document of a skeleton that came from another one, such as a person's from a template's: with all that
+/// the other's document says in words.
+pub fn document_of(skeleton: &Skeleton, template: &SkeletonDocument) -> SkeletonDocument {
+    let mut document = skeleton_document(skeleton);
+    document.units.clone_from(&template.units);
+    document.frame.clone_from(&template.frame);
+    for (entry, old) in document.joints.iter_mut().zip(&template.joints) {
+        entry.axes.clone_from(&old.axes);
+        entry.source.clone_from(&old.source);
+        if old.follows.as_ref().is_some_and(|follows| follows.glide) {
+            entry.follows.clone_from(&old.follows);
+        }
+    }
+    document
+}
+
 /// The entry of a joint between the bones named parent and child.
 pub fn joint_entry([parent, child]: [String; 2], joint: &Joint) -> JointEntry {
     let side = |s: &Vec3| std::array::from_fn(|k| s[k].is_finite().then(|| s[k].to_degrees()));
@@ -169,6 +186,7 @@ pub fn joint_entry([parent, child]: [String; 2], joint: &Joint) -> JointEntry {
         tree: joint.in_tree,
         source: None,
         coordinates: coordinates.collect(),
+        follows: joint.path.as_ref().map(follows_entry),
     }
 }
 
