@@ -8,7 +8,7 @@ use super::buffers::{self, Versioned};
 use super::mesh::{MlgTriMesh, Surface};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, handles};
-use crate::job::{build_paths, result_document};
+use crate::job::{result_document, settle_paths};
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Registered, Verdict};
 
@@ -169,11 +169,11 @@ pub unsafe extern "C" fn mlg_registration_result_skeleton(
 ) -> MlgStatus {
     access::make((out_skeleton, "out_skeleton"), error, || {
         let result = handles::get::<RegistrationResult, _>(result, "result")?;
-        let document = result_document(&result.template.document, &result.registered);
+        let mut document = result_document(&result.template.document, &result.registered);
         let mut skeleton = result.registered.skeleton.clone();
-        build_paths(&mut skeleton, &document)?;
+        let notes = settle_paths(&mut skeleton, &mut document);
         let surfaces = result.template.surfaces.clone();
-        Ok(SkeletonObject::new(document, skeleton, surfaces, &[]))
+        Ok(SkeletonObject::new(document, skeleton, surfaces, &notes))
     })
 }
 

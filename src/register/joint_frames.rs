@@ -55,18 +55,16 @@ pub fn take_shape(skeleton: &mut Skeleton, after: Vec<Vec3>, areas: &[f64]) {
         .par_iter()
         .map(|j| [follow(j.parent, &j.parent_frame), follow(j.child, &j.child_frame)])
         .collect();
-    let bones = skeleton.bones.iter().map(|bone| bone.vertices.clone());
-    let growths: Vec<f64> = bones
-        .map(|own| growth([&skeleton.points[own.clone()], &after[own.clone()]], &areas[own]))
-        .collect();
-    for (joint, [parent_frame, child_frame]) in skeleton.joints.iter_mut().zip(frames) {
+    let Skeleton { bones, joints, points, .. } = skeleton;
+    for (joint, [parent_frame, child_frame]) in joints.iter_mut().zip(frames) {
         joint.parent_frame = parent_frame;
         joint.child_frame = child_frame;
         if let Some(path) = &mut joint.path {
-            path.scale(growths[joint.parent]);
+            let own = bones[joint.parent].vertices.clone();
+            path.scale(growth([&points[own.clone()], &after[own.clone()]], &areas[own]));
         }
     }
-    skeleton.points = after;
+    *points = after;
 }
 
 /// How much larger a bone has become: the ratio of its radii of gyration.

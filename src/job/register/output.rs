@@ -7,7 +7,7 @@ use serde_json::json;
 use super::scene::{Tissue, metres_per_unit, scene};
 use super::skeleton_build::document_of;
 use super::skeleton_files::{SkeletonFiles, TissueFile};
-use super::skeleton_paths::build_paths;
+use super::skeleton_paths::settle_paths;
 use super::spec::RegisterJob;
 use crate::error::Result;
 use crate::io::gltf::write_glb;
@@ -17,7 +17,15 @@ use crate::register::animation::{Motion, present_angles};
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Appearance, Registered};
 
-/// Writes bones, skeleton file, scene and carried tissues; returns the files.
+/// What was written.
+pub(crate) struct Written {
+    /// The files.
+    pub files: Vec<PathBuf>,
+    /// What is not as the template has it, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Writes bones, skeleton file, scene and carried tissues.
 pub(crate) fn write(
     folder: &Path,
     job: &RegisterJob,
@@ -25,9 +33,11 @@ pub(crate) fn write(
     found: &Registered,
     tissues: &[TissueFile],
     motion: Option<&Motion>,
-) -> Result<Vec<PathBuf>> {
+) -> Result<Written> {
     let mut written = Vec::new();
     let mut document = result_document(&files.document, found);
+    let mut skeleton = found.skeleton.clone();
+    let notes = settle_paths(&mut skeleton, &mut document);
     for ((bone, entry), file) in
         found.skeleton.bones.iter().zip(&document.bones).zip(&files.surfaces)
     {
@@ -62,12 +72,10 @@ pub(crate) fn write(
     written.push(path);
     let path = folder.join("skeleton.glb");
     let unit = job.metres_per_unit.unwrap_or(metres_per_unit(document.units.as_deref()));
-    let mut skeleton = found.skeleton.clone();
-    build_paths(&mut skeleton, &document)?;
     let scene = scene(&skeleton, &carried, motion, unit)?;
     write_glb(&path, &scene)?;
     written.push(path);
-    Ok(written)
+    Ok(Written { files: written, notes })
 }
 
 /// The person's skeleton file, with all that the template's says and the figures of the result; bones

@@ -66,8 +66,9 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     report.warnings.splice(0..0, notes);
     run.enter("writing", 0.97);
     if let Some(folder) = &job.out {
-        report.written =
-            output::write(folder, job, &files, &registered, &tissues, motion.as_ref())?;
+        let written = output::write(folder, job, &files, &registered, &tissues, motion.as_ref())?;
+        report.written = written.files;
+        report.warnings.extend(written.notes);
     }
     if let Some(folder) = &job.report {
         report.write(folder, &files.skeleton, &target, &registered)?;

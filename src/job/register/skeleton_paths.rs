@@ -9,7 +9,7 @@ use crate::register::glide::gliding_path;
 use crate::register::{JointPath, Skeleton};
 
 /// Gives all joints that follow an angle their paths. What glides does so on the bones as they are.
-pub fn build_paths(skeleton: &mut Skeleton, document: &SkeletonDocument) -> Result<()> {
+pub(super) fn build_paths(skeleton: &mut Skeleton, document: &SkeletonDocument) -> Result<()> {
     let following = document.joints.iter().enumerate();
     let following = following.filter_map(|(j, joint)| Some((j, joint.follows.as_ref()?)));
     let (gliding, given): (Vec<_>, Vec<_>) = following.partition(|(_, entry)| entry.glide);
@@ -20,6 +20,24 @@ pub fn build_paths(skeleton: &mut Skeleton, document: &SkeletonDocument) -> Resu
         skeleton.joints[j].path = Some(path);
     }
     Ok(())
+}
+
+/// Paths on a person's own bones. A bone that cannot glide there keeps the template's path, also in the
+/// document; it is told in a sentence.
+pub fn settle_paths(skeleton: &mut Skeleton, document: &mut SkeletonDocument) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (j, joint) in document.joints.iter_mut().enumerate() {
+        let Some(entry) = joint.follows.as_mut().filter(|entry| entry.glide) else { continue };
+        match path(skeleton, j, entry) {
+            Ok(path) => skeleton.joints[j].path = Some(path),
+            Err(error) => {
+                joint.follows = skeleton.joints[j].path.as_ref().map(follows_entry);
+                let name = &joint.name;
+                notes.push(format!("joint {name}: {error}; in motions it goes as in the template"));
+            }
+        }
+    }
+    notes
 }
 
 fn path(skeleton: &Skeleton, j: usize, entry: &FollowsEntry) -> Result<JointPath> {
@@ -63,7 +81,7 @@ fn given_path(leader: &str, stations: &[StationEntry]) -> Result<JointPath> {
 mod tests {
     use std::path::Path;
 
-    use super::build_paths;
+    use super::{build_paths, settle_paths};
     use crate::error::Result;
     use crate::io::skeleton::SkeletonDocument;
     use crate::job::register::skeleton_build::{build_skeleton, document_of};
@@ -127,6 +145,22 @@ mod tests {
         let mut same = again.clone();
         build_paths(&mut same, &document(&text)).unwrap();
         assert_eq!(again, same);
+    }
+
+    #[test]
+    fn a_person_whose_knee_cap_cannot_glide_keeps_the_path_of_the_template() {
+        let mut person = built(LEG).unwrap();
+        let mut kept = document_of(&person, &document(LEG));
+        assert!(settle_paths(&mut person, &mut kept).is_empty());
+        assert!(kept.joints[1].follows.as_ref().unwrap().glide);
+        let cap = person.bones[2].vertices.clone();
+        person.points[cap].iter_mut().for_each(|p| p.x -= 50.0);
+        let path = person.joints[1].path.clone();
+        let notes = settle_paths(&mut person, &mut kept);
+        assert!(notes.len() == 1 && notes[0].contains("lies on the axis"), "{notes:?}");
+        assert_eq!(person.joints[1].path, path);
+        let again = build_skeleton(&kept, surfaces(&person)).unwrap();
+        assert!(again.joints[1].path.is_some());
     }
 
     #[test]
