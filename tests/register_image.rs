@@ -1,22 +1,23 @@
 //! Bones registered to images and followed through images, without any surface of the person.
 //!
-//! The images are made here: bones with a dark cortex and bright marrow in textured soft tissue, air
-//! around, noise, a slow change of brightness (as of a coil), voxels longer one way.
+//! The images are made here, with voxels longer one way.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+mod synthetic;
 
 use std::path::Path;
 
 use moulage::Run;
 use moulage::io::write_surface;
 use moulage::job::{RegisterJob, TrackJob, read_skeleton, run_register, run_track};
-use moulage::locate::{ClosestPoints, WindingNumber};
-use moulage::math::{Mat3, Vec3};
+use moulage::locate::ClosestPoints;
+use moulage::math::Vec3;
 use moulage::mesh::bounding_box;
 use moulage::register::rotation::turned_about;
 use moulage::register::{Appearance, Options, Registration, Skeleton, Target, register};
 use moulage::volume::Volume;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
-use rayon::prelude::*;
+use synthetic::Looks;
 
 /// The first bones of a finger with the joints between them.
 fn finger(count: usize) -> Skeleton {
@@ -73,47 +74,20 @@ fn small_motion(finger: &Skeleton) -> Isometry3<f64> {
     Translation3::new(1.2, -1.3, 0.9) * turn
 }
 
-/// Even numbers from 0 to 1 that depend on the place only.
-fn hashed(seed: u64) -> f64 {
-    let mut z = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-/// A smooth step from 0 (below) to 1 (above), 0.6 mm wide: what a voxel sees of an edge.
-fn step(x: f64) -> f64 {
-    (x / 0.6 + 0.5).clamp(0.0, 1.0)
-}
-
-/// A magnetic resonance image of the finger.
+/// A magnetic resonance image of the finger: dark cortex, bright marrow.
 fn image(finger: &Skeleton, spacing: [f64; 3], noise: f64, seed: u64, gain: f64) -> Volume {
-    const CORTEX: f64 = 1.1;
-    let (low, high) = bounding_box(&finger.points).unwrap();
-    let margin = Vec3::repeat(11.0);
-    let (low, high) = (low - margin, high + margin);
-    let size = [0, 1, 2].map(|k| ((high[k] - low[k]) / spacing[k]).ceil() as usize);
-    let closest = ClosestPoints::new(&finger.points, &finger.triangles);
-    let winding = WindingNumber::new(&finger.points, &finger.triangles);
-    let value = |v: usize| {
-        let index = [v % size[0], v / size[0] % size[1], v / (size[0] * size[1])];
-        let p = low + Vec3::from_fn(|k, _| index[k] as f64 * spacing[k]);
-        let distance = closest.closest(&p).unwrap().distance;
-        let depth = if distance < 12.0 && winding.is_inside(&p) { -distance } else { distance };
-        let wave = |k: f64| (p.x / k).sin() * (p.y / k + 1.0).sin() * (p.z / k + 2.0).sin();
-        let tissue = 420.0 + 70.0 * wave(1.7) + 50.0 * wave(4.1);
-        let marrow = 780.0 + 40.0 * wave(2.3);
-        // From inside: marrow, cortex, tissue, and air beyond the skin.
-        let mut seen = marrow + (90.0 - marrow) * step(depth + CORTEX);
-        seen += (tissue - seen) * step(depth);
-        seen += (10.0 - seen) * step(depth - 7.0);
-        let coil = 1.0 + 0.1 * ((p.x + p.z) / 40.0).sin();
-        let pair = (hashed(2 * v as u64 + seed), hashed(2 * v as u64 + 1 + seed));
-        let gauss = (-2.0 * (1.0 - pair.0).ln()).sqrt() * (std::f64::consts::TAU * pair.1).cos();
-        ((seen * coil + 780.0 * noise * gauss) * gain) as f32
+    let looks = Looks {
+        cortex: 90.0,
+        cortex_depth: 1.1,
+        marrow: 780.0,
+        tissue: 420.0,
+        texture: 1.0,
+        air: 10.0,
+        coil: 0.1,
+        noise: 780.0 * noise,
+        edge: 0.6,
     };
-    let values = (0..size.iter().product::<usize>()).into_par_iter().map(value).collect();
-    Volume::new(size, values, Mat3::from_diagonal(&Vec3::from(spacing)), low).unwrap()
+    synthetic::image(finger, spacing, &looks, seed, gain)
 }
 
 /// Mean distance of the found surface from the true one, mm.

@@ -1,0 +1,238 @@
+//! Images with the bones in them, and starts that are off.
+
+use std::path::Path;
+
+use moulage::Run;
+use moulage::TriMesh;
+use moulage::io::{read_surface, read_volume};
+use moulage::job::read_skeleton;
+use moulage::locate::ClosestPoints;
+use moulage::math::{Mat3, Vec3};
+use moulage::register::{Options, Skeleton, Target, register};
+use moulage::volume::{Volume, label_surface};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+use super::hands;
+use super::synthetic::{Looks, image};
+
+pub enum Truth {
+    /// The place of every vertex.
+    Vertices(Vec<Vec3>),
+    /// The surface of each bone, as a label map has it.
+    Surfaces(Vec<TriMesh>),
+}
+
+pub struct Case {
+    pub name: String,
+    /// The template on its bones in its own image.
+    pub reference: Skeleton,
+    pub reference_image: Volume,
+    /// The template where the run begins, and the person's image.
+    pub start: Skeleton,
+    pub image: Volume,
+    pub truth: Truth,
+}
+
+impl Case {
+    /// How far bones are off, by name: root mean square of all vertices, or mean distance from the label's
+    /// surface to the bone.
+    pub fn errors(&self, found: &Skeleton) -> Vec<(String, f64)> {
+        match &self.truth {
+            Truth::Vertices(truth) => {
+                vec![("all, vertices rms".into(), hands::vertex_error(&found.points, truth))]
+            }
+            Truth::Surfaces(surfaces) => surfaces
+                .iter()
+                .enumerate()
+                .map(|(b, surface)| {
+                    let bone = found.bone_surface(b, &found.points);
+                    let search = ClosestPoints::new(&bone.points, &bone.triangles);
+                    let distances = search.closest_many(&surface.points);
+                    let sum: f64 = distances.iter().flatten().map(|hit| hit.distance).sum();
+                    (found.bones[b].name.clone(), sum / surface.points.len() as f64)
+                })
+                .collect(),
+        }
+    }
+}
+
+pub fn all(data: &Path, chosen: impl Fn(&str) -> bool) -> Vec<Case> {
+    let mut cases = hand(data, &chosen);
+    cases.extend(pelvis(data, &chosen));
+    cases
+}
+
+/// A turn about the axis (1, 1, 1) about the skeleton's middle and a way along (1, -1, 1).
+fn moved(skeleton: &Skeleton, millimetres: f64, degrees: f64) -> Skeleton {
+    let middle = skeleton.points.iter().sum::<Vec3>() / skeleton.points.len() as f64;
+    let turn =
+        UnitQuaternion::from_scaled_axis(Vec3::repeat(1.0).normalize() * degrees.to_radians());
+    let way = Vec3::new(1.0, -1.0, 1.0).normalize() * millimetres;
+    let motion: Isometry3<f64> =
+        Translation3::from(middle + way) * turn * Translation3::from(-middle);
+    let mut other = skeleton.clone();
+    other.move_bones(&vec![motion; skeleton.bones.len()]);
+    other
+}
+
+/// Computed tomography: bright bone with a brighter cortex.
+const CT: Looks = Looks {
+    cortex: 900.0,
+    cortex_depth: 0.9,
+    marrow: 350.0,
+    tissue: 60.0,
+    texture: 0.3,
+    air: -1000.0,
+    coil: 0.0,
+    noise: 25.0,
+    edge: 0.9,
+};
+
+/// Voxels of the hands' images, mm.
+const VOXELS: [f64; 3] = [0.8; 3];
+
+fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
+    let folder = data.join("hand_skeleton");
+    let template = hands::template();
+    // The same bones on another person, with that person's image.
+    let mut person = template.clone();
+    person.points =
+        read_surface(&folder.join("target_surface.ply")).unwrap().mesh().unwrap().points;
+    let own = read_volume(&folder.join("volume.nii.gz")).unwrap().volume;
+    let mut cases = Vec::new();
+    for (millimetres, degrees) in [(0.0, 0.0), (3.0, 3.0), (6.0, 6.0), (12.0, 10.0)] {
+        let name = format!("hand, the same image {millimetres} mm and {degrees} degrees off");
+        if chosen(&name) {
+            cases.push(Case {
+                name,
+                reference: person.clone(),
+                reference_image: own.clone(),
+                start: moved(&person, millimetres, degrees),
+                image: own.clone(),
+                truth: Truth::Vertices(person.points.clone()),
+            });
+        }
+    }
+    for seed in [1, 2] {
+        let name = format!("hand, another person {seed}");
+        if chosen(&name) {
+            let other = hands::in_a_pose(&hands::person(&template, seed, 0.5, 0.3), seed, 0.15);
+            cases.push(Case {
+                name,
+                reference: template.clone(),
+                reference_image: image(&template, VOXELS, &CT, 5, 1.0),
+                start: placed(&template, &other),
+                image: image(&other, VOXELS, &CT, 77 + seed, 1.0),
+                truth: Truth::Vertices(other.points.clone()),
+            });
+        }
+    }
+    cases
+}
+
+/// The template laid on a person as one body.
+fn placed(template: &Skeleton, person: &Skeleton) -> Skeleton {
+    let mut sums = moulage::register::rotation::PairSums::new(template.points[0]);
+    for (p, q) in template.points.iter().zip(&person.points) {
+        sums.add(p, q, 1.0);
+    }
+    let mut start = template.clone();
+    start.move_bones(&vec![sums.best_rigid().unwrap(); template.bones.len()]);
+    start
+}
+
+/// The right side of a CT, found from its mirrored left side.
+fn pelvis(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
+    const BONES: [&str; 3] = ["sacrum", "hip_r", "femur_r"];
+    const LEFT: [u32; 3] = [25, 77, 75];
+    const RIGHT: [u32; 3] = [25, 78, 76];
+    let wanted: Vec<bool> =
+        [true, false].into_iter().filter(|cut| chosen(pelvis_name(*cut))).collect();
+    if wanted.is_empty() {
+        return Vec::new();
+    }
+    let read = |name: &str| read_volume(&data.join("ct_whole").join(name)).unwrap().volume;
+    let (image, labels) = (read("volume.nii.gz"), read("labels.nii.gz"));
+    let surfaces = |map: &Volume, labels: [u32; 3]| -> Vec<TriMesh> {
+        let surface = |label| {
+            let (points, triangles) = label_surface(map, label).unwrap();
+            TriMesh::new(points, triangles).unwrap()
+        };
+        labels.map(surface).to_vec()
+    };
+    let right = surfaces(&labels, RIGHT);
+    let middle = right[0].points.iter().map(|p| p.x).sum::<f64>() / right[0].points.len() as f64;
+    let mirrored = [&image, &labels].map(|volume| mirror(volume, middle));
+    let left = surfaces(&mirrored[1], LEFT);
+    let leg = read_skeleton(&data.join("lowerlimb_vhm/skeleton.json")).unwrap().skeleton;
+    let template = only(&leg, &BONES);
+    let named = BONES.iter().map(ToString::to_string).zip(left).collect();
+    let target = Target::per_bone(&template, named).unwrap();
+    // The template lies near enough; from a start of its own the left side is not found.
+    let near = Options { align: false, ..Options::default() };
+    let placed = register(&template, &target, &near, &Run::new()).unwrap().skeleton;
+    let case = |cut: bool| {
+        let start = if cut { inside(&placed, &mirrored[0]) } else { placed.clone() };
+        Case {
+            name: pelvis_name(cut).into(),
+            reference: start.clone(),
+            reference_image: mirrored[0].clone(),
+            start,
+            image: image.clone(),
+            truth: Truth::Surfaces(right.clone()),
+        }
+    };
+    wanted.into_iter().map(case).collect()
+}
+
+fn pelvis_name(cut: bool) -> &'static str {
+    if cut {
+        "CT, the mirrored other side, bones cut"
+    } else {
+        "CT, the mirrored other side, whole bones"
+    }
+}
+
+/// The image mirrored about the plane x = `middle`.
+fn mirror(volume: &Volume, middle: f64) -> Volume {
+    let flip = Mat3::from_diagonal(&Vec3::new(-1.0, 1.0, 1.0));
+    let origin = flip * volume.origin() + Vec3::new(2.0 * middle, 0.0, 0.0);
+    let map = flip * volume.world_from_voxel();
+    Volume::new(volume.size(), volume.values().to_vec(), map, origin).unwrap()
+}
+
+/// Some of the bones, with the joints between them.
+fn only(skeleton: &Skeleton, names: &[&str]) -> Skeleton {
+    let bones: Vec<usize> = names.iter().map(|name| skeleton.bone_index(name).unwrap()).collect();
+    let place = |b: usize| bones.iter().position(|own| *own == b);
+    let joints = skeleton.joints.iter().filter_map(|joint| {
+        let mut joint = joint.clone();
+        (joint.parent, joint.child) = (place(joint.parent)?, place(joint.child)?);
+        Some(joint)
+    });
+    let surface =
+        |b: &usize| (skeleton.bones[*b].name.clone(), skeleton.bone_surface(*b, &skeleton.points));
+    Skeleton::new(bones.iter().map(surface).collect(), joints.collect()).unwrap()
+}
+
+/// The triangles inside an image.
+fn inside(skeleton: &Skeleton, image: &Volume) -> Skeleton {
+    let cut = |b: usize| {
+        let bone = skeleton.bone_surface(b, &skeleton.points);
+        let shown: Vec<bool> = bone.points.iter().map(|p| image.sample(p).is_some()).collect();
+        let mut number = vec![u32::MAX; bone.points.len()];
+        let mut piece = TriMesh::default();
+        for triangle in bone.triangles.iter().filter(|t| t.iter().all(|v| shown[*v as usize])) {
+            piece.triangles.push(triangle.map(|v| {
+                let own = &mut number[v as usize];
+                if *own == u32::MAX {
+                    *own = piece.points.len() as u32;
+                    piece.points.push(bone.points[v as usize]);
+                }
+                *own
+            }));
+        }
+        (skeleton.bones[b].name.clone(), piece)
+    };
+    Skeleton::new((0..skeleton.bones.len()).map(cut).collect(), skeleton.joints.clone()).unwrap()
+}
