@@ -3,13 +3,14 @@
 //! The images are made here, with voxels longer one way.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod hands;
 mod synthetic;
 
 use std::path::Path;
 
 use moulage::Run;
 use moulage::io::write_surface;
-use moulage::job::{RegisterJob, TrackJob, read_skeleton, run_register, run_track};
+use moulage::job::{RegisterJob, TrackJob, run_register, run_track};
 use moulage::locate::ClosestPoints;
 use moulage::math::Vec3;
 use moulage::mesh::bounding_box;
@@ -21,18 +22,7 @@ use synthetic::Looks;
 
 /// The first bones of a finger with the joints between them.
 fn finger(count: usize) -> Skeleton {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/hand/skeleton.json");
-    let hand = read_skeleton(&path).unwrap().skeleton;
-    let names = &["2proxph", "2midph", "2distph"][..count];
-    let bones: Vec<usize> = names.iter().map(|name| hand.bone_index(name).unwrap()).collect();
-    let joints = (0..count - 1).map(|k| {
-        let ends = [bones[k], bones[k + 1]];
-        let mut joint = hand.joints.iter().find(|j| [j.parent, j.child] == ends).unwrap().clone();
-        [joint.parent, joint.child] = [k, k + 1];
-        joint
-    });
-    let surface = |b: &usize| (hand.bones[*b].name.clone(), hand.bone_surface(*b, &hand.points));
-    Skeleton::new(bones.iter().map(surface).collect(), joints.collect()).unwrap()
+    hands::only(&hands::template(), &["2proxph", "2midph", "2distph"][..count])
 }
 
 /// The finger bent at its first joint, at a second one two thirds as far, then moved by `away`.

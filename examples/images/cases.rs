@@ -8,11 +8,13 @@ use moulage::io::{read_surface, read_volume};
 use moulage::job::read_skeleton;
 use moulage::locate::ClosestPoints;
 use moulage::math::{Mat3, Vec3};
+use moulage::register::elastic::whole_motion;
+use moulage::register::rotation::turned_about;
 use moulage::register::{Options, Skeleton, Target, register};
 use moulage::volume::{Volume, label_surface};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
-use super::hands;
+use super::hands::{self, damage};
 use super::synthetic::{Looks, image};
 
 pub enum Truth {
@@ -68,8 +70,7 @@ fn moved(skeleton: &Skeleton, millimetres: f64, degrees: f64) -> Skeleton {
     let turn =
         UnitQuaternion::from_scaled_axis(Vec3::repeat(1.0).normalize() * degrees.to_radians());
     let way = Vec3::new(1.0, -1.0, 1.0).normalize() * millimetres;
-    let motion: Isometry3<f64> =
-        Translation3::from(middle + way) * turn * Translation3::from(-middle);
+    let motion = Translation3::from(way) * turned_about(&Isometry3::identity(), &middle, turn);
     let mut other = skeleton.clone();
     other.move_bones(&vec![motion; skeleton.bones.len()]);
     other
@@ -132,12 +133,10 @@ fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
 
 /// The template laid on a person as one body.
 fn placed(template: &Skeleton, person: &Skeleton) -> Skeleton {
-    let mut sums = moulage::register::rotation::PairSums::new(template.points[0]);
-    for (p, q) in template.points.iter().zip(&person.points) {
-        sums.add(p, q, 1.0);
-    }
+    let alike = vec![1.0; template.points.len()];
+    let motion = whole_motion(&template.points, &person.points, &alike);
     let mut start = template.clone();
-    start.move_bones(&vec![sums.best_rigid().unwrap(); template.bones.len()]);
+    start.move_bones(&vec![motion; template.bones.len()]);
     start
 }
 
@@ -165,7 +164,7 @@ fn pelvis(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
     let mirrored = [&image, &labels].map(|volume| mirror(volume, middle));
     let left = surfaces(&mirrored[1], LEFT);
     let leg = read_skeleton(&data.join("lowerlimb_vhm/skeleton.json")).unwrap().skeleton;
-    let template = only(&leg, &BONES);
+    let template = hands::only(&leg, &BONES);
     let named = BONES.iter().map(ToString::to_string).zip(left).collect();
     let target = Target::per_bone(&template, named).unwrap();
     // The template lies near enough; from a start of its own the left side is not found.
@@ -201,37 +200,12 @@ fn mirror(volume: &Volume, middle: f64) -> Volume {
     Volume::new(volume.size(), volume.values().to_vec(), map, origin).unwrap()
 }
 
-/// Some of the bones, with the joints between them.
-fn only(skeleton: &Skeleton, names: &[&str]) -> Skeleton {
-    let bones: Vec<usize> = names.iter().map(|name| skeleton.bone_index(name).unwrap()).collect();
-    let place = |b: usize| bones.iter().position(|own| *own == b);
-    let joints = skeleton.joints.iter().filter_map(|joint| {
-        let mut joint = joint.clone();
-        (joint.parent, joint.child) = (place(joint.parent)?, place(joint.child)?);
-        Some(joint)
-    });
-    let surface =
-        |b: &usize| (skeleton.bones[*b].name.clone(), skeleton.bone_surface(*b, &skeleton.points));
-    Skeleton::new(bones.iter().map(surface).collect(), joints.collect()).unwrap()
-}
-
 /// The triangles inside an image.
 fn inside(skeleton: &Skeleton, image: &Volume) -> Skeleton {
     let cut = |b: usize| {
         let bone = skeleton.bone_surface(b, &skeleton.points);
         let shown: Vec<bool> = bone.points.iter().map(|p| image.sample(p).is_some()).collect();
-        let mut number = vec![u32::MAX; bone.points.len()];
-        let mut piece = TriMesh::default();
-        for triangle in bone.triangles.iter().filter(|t| t.iter().all(|v| shown[*v as usize])) {
-            piece.triangles.push(triangle.map(|v| {
-                let own = &mut number[v as usize];
-                if *own == u32::MAX {
-                    *own = piece.points.len() as u32;
-                    piece.points.push(bone.points[v as usize]);
-                }
-                *own
-            }));
-        }
+        let piece = damage::kept(&bone, |t| bone.triangles[t].iter().all(|v| shown[*v as usize]));
         (skeleton.bones[b].name.clone(), piece)
     };
     Skeleton::new((0..skeleton.bones.len()).map(cut).collect(), skeleton.joints.clone()).unwrap()

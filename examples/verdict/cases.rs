@@ -287,19 +287,7 @@ fn pelvis(data: &Path) -> Vec<Case> {
     let labels =
         read_volume(&data.join("ct_whole/labels.nii.gz")).unwrap_or_else(|e| panic!("{e}")).volume;
     let wanted = [("sacrum", 25), ("hip_r", 78), ("femur_r", 76)];
-    let index = |name| template.bone_index(name).unwrap_or_else(|| panic!("no {name}"));
-    let bones = wanted.map(|(name, _)| index(name));
-    let surfaces =
-        bones.map(|b| (template.bones[b].name.clone(), template.bone_surface(b, &template.points)));
-    let place = |b: usize| bones.iter().position(|&k| k == b);
-    let joints = template.joints.iter().filter_map(|joint| {
-        let mut joint = joint.clone();
-        joint.parent = place(joint.parent)?;
-        joint.child = place(joint.child)?;
-        Some(joint)
-    });
-    let template =
-        Skeleton::new(surfaces.to_vec(), joints.collect()).unwrap_or_else(|e| panic!("{e}"));
+    let template = hands::only(&template, &wanted.map(|(name, _)| name));
     let seen = wanted.map(|(name, label)| {
         let (points, triangles) =
             label_surface(&labels, label).unwrap_or_else(|| panic!("no {name}"));

@@ -41,7 +41,7 @@ impl Rigid {
         }
     }
 
-    /// The way back.
+    /// The inverse.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
@@ -92,7 +92,7 @@ impl Similarity {
         }
     }
 
-    /// The way back.
+    /// The inverse.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let (scale, rotation) = (1.0 / self.scale, self.rotation.transpose());

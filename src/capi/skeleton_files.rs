@@ -13,9 +13,7 @@ use crate::error::Result;
 use crate::io::gltf::write_glb;
 use crate::io::{file_name, has_extension, write_beside, write_surface};
 use crate::job::skeleton_build::{build_skeleton, document_of};
-use crate::job::{
-    TissueFile, read_motion, read_osim_skeleton, read_skeleton, read_tissues, write_osim,
-};
+use crate::job::{read_motion, read_osim_skeleton, read_skeleton, read_tissues, write_osim};
 use crate::mesh::TriMesh;
 use crate::register::animation::Motion;
 
@@ -44,8 +42,7 @@ fn load(path: &Path) -> Result<SkeletonObject> {
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let statistics = files.document.statistics.as_ref().map(|name| folder.join(name));
-    let tissues = read_tissues(path, &files.document, &[])?;
-    let tissues = tissues.iter().map(TissueFile::tissue).collect::<Result<_>>()?;
+    let tissues = read_tissues(path, &files.document)?;
     let object = SkeletonObject::new(files.document, files.skeleton, surfaces, &[]);
     Ok(SkeletonObject { tissues, statistics, ..object })
 }

@@ -100,16 +100,17 @@ pub fn glb_bytes(scene: &GltfScene) -> Result<Vec<u8>> {
             entry["children"] = json!(children);
         }
         nodes.push(entry);
-        meshes.push(mesh_entry(&node.name, mesh_attributes(&mut buffer, &node.mesh), BONE));
+        let primitive = primitive(&mut buffer, &node.mesh, BONE);
+        meshes.push(json!({"name": node.name, "primitives": [primitive]}));
     }
     // A skinned mesh is drawn where its joints are; its own node is a root that does not matter.
     let mut roots = vec![0];
     for skin in &scene.skins {
         roots.push(nodes.len());
         nodes.push(json!({"name": skin.name, "mesh": meshes.len(), "skin": 0}));
-        let mut attributes = mesh_attributes(&mut buffer, &skin.mesh);
-        add_weights(&mut buffer, skin, scene.nodes.len(), &mut attributes)?;
-        meshes.push(mesh_entry(&skin.name, attributes, TISSUE));
+        let mut primitive = primitive(&mut buffer, &skin.mesh, TISSUE);
+        add_weights(&mut buffer, skin, scene.nodes.len(), &mut primitive)?;
+        meshes.push(json!({"name": skin.name, "primitives": [primitive]}));
     }
     let skin = (!scene.skins.is_empty()).then(|| skin_entry(&mut buffer, scene));
     let animation = animation(&mut buffer, scene)?;
@@ -158,14 +159,8 @@ fn materials(tissue: bool) -> Value {
     json!(list)
 }
 
-fn mesh_entry(name: &str, primitive: Value, material: usize) -> Value {
-    let mut primitive = primitive;
-    primitive["material"] = material.into();
-    json!({"name": name, "primitives": [primitive]})
-}
-
-/// A primitive with positions, normals and triangles.
-fn mesh_attributes(buffer: &mut Buffer, mesh: &TriMesh) -> Value {
+/// Positions, normals and triangles.
+fn primitive(buffer: &mut Buffer, mesh: &TriMesh, material: usize) -> Value {
     let rows = |points: &[Vec3]| -> Vec<[f32; 3]> {
         points.iter().map(|p| p.map(|x| x as f32).into()).collect()
     };
@@ -176,7 +171,8 @@ fn mesh_attributes(buffer: &mut Buffer, mesh: &TriMesh) -> Value {
     let position = buffer.floats(&rows(&mesh.points), "VEC3", Some(VERTEX));
     let normal = buffer.floats(&rows(&normals), "VEC3", Some(VERTEX));
     let indices = buffer.indices(&mesh.triangles);
-    json!({"attributes": {"POSITION": position, "NORMAL": normal}, "indices": indices})
+    let attributes = json!({"POSITION": position, "NORMAL": normal});
+    json!({"attributes": attributes, "indices": indices, "material": material})
 }
 
 fn add_weights(
@@ -212,7 +208,7 @@ fn add_weights(
     Ok(())
 }
 
-/// All nodes as joints, with the way from the world into each.
+/// All nodes as joints, each with the inverse of its frame.
 fn skin_entry(buffer: &mut Buffer, scene: &GltfScene) -> Value {
     let mut world: Vec<Isometry3<f64>> = Vec::with_capacity(scene.nodes.len());
     for node in &scene.nodes {

@@ -35,7 +35,7 @@ pub use register::report::{LandmarkSummary, RegisterReport};
 pub use register::run::{RegisterResult, run_register};
 pub use register::scene::{Tissue, metres_per_unit, scene};
 pub use register::skeleton_build;
-pub use register::skeleton_files::{SkeletonFiles, TissueFile, read_skeleton, read_tissues};
+pub use register::skeleton_files::{SkeletonFiles, read_skeleton, read_tissues};
 pub use register::skeleton_paths::settle_paths;
 pub use register::spec::RegisterJob;
 pub use register::track::{TrackJob, TrackedFrame, run_track};

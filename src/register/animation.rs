@@ -1,4 +1,4 @@
-//! Motions by joint angles: forward kinematics and the way back.
+//! Motions by joint angles: forward kinematics, and the angles of a pose.
 //!
 //! [G] section 4: loops are broken (joints that only close loops are left out), and the frames of
 //! the registered skeleton carry the angles, so that they mean the same for every person.

@@ -16,6 +16,7 @@ mod border;
 pub mod correspond;
 pub mod elastic;
 pub mod fast_sums;
+pub mod few;
 mod finish;
 pub mod glide;
 mod image;

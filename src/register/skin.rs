@@ -22,8 +22,40 @@ const LEAST_AREA: f64 = 1e-6;
 /// Bones and weights of one vertex: positive, heaviest first, sum 1.
 pub type VertexWeights = Vec<(usize, f64)>;
 
+/// The bones of a skeleton, ready to carry tissues.
+pub struct Carriers {
+    search: ClosestPoints,
+    /// The bone of each triangle, and half of each bone's thickness.
+    bone_of: Vec<usize>,
+    radii: Vec<f64>,
+}
+
+impl Carriers {
+    /// The bones where they lie.
+    pub fn new(skeleton: &Skeleton) -> Self {
+        let bones = skeleton.bones.iter().enumerate();
+        let bone_of = bones.flat_map(|(b, bone)| bone.triangles.clone().map(move |_| b)).collect();
+        let surface = |b: usize| skeleton.bone_surface(b, &skeleton.points);
+        Self {
+            search: ClosestPoints::new(&skeleton.points, &skeleton.triangles),
+            bone_of,
+            radii: (0..skeleton.bones.len()).map(|b| radius(&surface(b))).collect(),
+        }
+    }
+
+    fn nearest(&self, points: &[Vec3]) -> Vec<Nearest> {
+        let hits = self.search.closest_many(points).into_iter();
+        let nearest = hits.map(|hit| {
+            let (bone, distance) =
+                hit.map_or((0, 0.0), |hit| (self.bone_of[hit.triangle as usize], hit.distance));
+            Nearest { bone, to_axis: distance + self.radii[bone] }
+        });
+        nearest.collect()
+    }
+}
+
 /// The weights of every vertex of `tissue`, a surface in the pose of the skeleton.
-pub fn skin_weights(skeleton: &Skeleton, tissue: &TriMesh) -> Result<Vec<VertexWeights>> {
+pub fn skin_weights(carriers: &Carriers, tissue: &TriMesh) -> Result<Vec<VertexWeights>> {
     if tissue.points.is_empty() {
         return Ok(Vec::new());
     }
@@ -32,7 +64,7 @@ pub fn skin_weights(skeleton: &Skeleton, tissue: &TriMesh) -> Result<Vec<VertexW
     let welded = tissue.triangles.iter().map(|t| t.map(|v| place[v as usize]));
     let triangles: Vec<[u32; 3]> =
         welded.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect();
-    let nearest = nearest_bones(skeleton, &tissue.points);
+    let nearest = carriers.nearest(&tissue.points);
     let mut bones: Vec<usize> = nearest.iter().map(|n| n.bone).collect();
     bones.sort_unstable();
     bones.dedup();
@@ -60,22 +92,6 @@ struct Nearest {
     bone: usize,
     /// Distance to that surface and half the bone's thickness, which is how far its axis is.
     to_axis: f64,
-}
-
-fn nearest_bones(skeleton: &Skeleton, points: &[Vec3]) -> Vec<Nearest> {
-    let bone_of = skeleton.bone_of_vertex();
-    let bones = 0..skeleton.bones.len();
-    let radii: Vec<f64> =
-        bones.map(|b| radius(&skeleton.bone_surface(b, &skeleton.points))).collect();
-    let hits = ClosestPoints::new(&skeleton.points, &skeleton.triangles).closest_many(points);
-    let nearest = hits.into_iter().map(|hit| {
-        let (bone, distance) = hit.map_or((0, 0.0), |hit| {
-            let vertex = skeleton.triangles[hit.triangle as usize][0];
-            (bone_of[vertex as usize] as usize, hit.distance)
-        });
-        Nearest { bone, to_axis: distance + radii[bone] }
-    });
-    nearest.collect()
 }
 
 /// Radius of the long rod with this ratio of volume to area; for a surface that is not closed what its
@@ -145,7 +161,8 @@ mod tests {
         let mut sleeve = block(Vec3::new(10.0, 0.0, 0.0), Vec3::new(20.0, 3.0, 3.0), 40);
         let lonely = sleeve.points.len();
         sleeve.points.push(Vec3::new(25.0, 4.0, 0.0));
-        let weights = skin_weights(&skeleton, &sleeve).unwrap();
+        let carriers = Carriers::new(&skeleton);
+        let weights = skin_weights(&carriers, &sleeve).unwrap();
         let of_b = |row: &VertexWeights| row.iter().find(|(b, _)| *b == 1).map_or(0.0, |(_, w)| *w);
         for (p, row) in sleeve.points.iter().zip(&weights) {
             assert!((row.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
@@ -171,6 +188,6 @@ mod tests {
             let further = line.iter().filter(|(q, _)| q.x > p.x);
             assert!(further.clone().all(|(_, other)| of_b(other) >= of_b(row) - 1e-9), "{p}");
         }
-        assert!(skin_weights(&skeleton, &TriMesh::default()).unwrap().is_empty());
+        assert!(skin_weights(&carriers, &TriMesh::default()).unwrap().is_empty());
     }
 }

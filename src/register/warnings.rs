@@ -1,5 +1,6 @@
 //! A result in the sentences that a user should read.
 
+use super::few::few;
 use super::skeleton::Skeleton;
 use super::summary::{BoneSummary, Registered};
 use super::verdict::Verdict;
@@ -46,12 +47,7 @@ impl Registered {
 fn worst_joints<'a>(joints: impl Iterator<Item = (f64, &'a str)>, digits: usize) -> Option<String> {
     let mut joints: Vec<(f64, &str)> = joints.collect();
     joints.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let more = joints.len().saturating_sub(WORST);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let worst: Vec<String> = joints
-        .iter()
-        .take(WORST)
-        .map(|(figure, name)| format!("{name} ({figure:.digits$})"))
-        .collect();
-    (!worst.is_empty()).then(|| format!("{}{more}", worst.join(", ")))
+    let told: Vec<String> =
+        joints.iter().map(|(figure, name)| format!("{name} ({figure:.digits$})")).collect();
+    (!told.is_empty()).then(|| few(&told, WORST))
 }

@@ -29,7 +29,7 @@ fn axes(mesh: &TriMesh) -> [Vec3; 2] {
 }
 
 /// The triangles that `keep` holds, with the vertices they use.
-fn kept(mesh: &TriMesh, keep: impl Fn(usize) -> bool) -> TriMesh {
+pub fn kept(mesh: &TriMesh, keep: impl Fn(usize) -> bool) -> TriMesh {
     let mut number = vec![u32::MAX; mesh.points.len()];
     let mut points = Vec::new();
     let mut triangles = Vec::new();

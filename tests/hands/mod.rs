@@ -46,6 +46,20 @@ pub fn template() -> Skeleton {
     read_skeleton(&path).unwrap().skeleton
 }
 
+/// Some of the bones, with the joints between them.
+pub fn only(skeleton: &Skeleton, names: &[&str]) -> Skeleton {
+    let bones: Vec<usize> = names.iter().map(|name| skeleton.bone_index(name).unwrap()).collect();
+    let place = |b: usize| bones.iter().position(|own| *own == b);
+    let joints = skeleton.joints.iter().filter_map(|joint| {
+        let mut joint = joint.clone();
+        (joint.parent, joint.child) = (place(joint.parent)?, place(joint.child)?);
+        Some(joint)
+    });
+    let surface =
+        |b: &usize| (skeleton.bones[*b].name.clone(), skeleton.bone_surface(*b, &skeleton.points));
+    Skeleton::new(bones.iter().map(surface).collect(), joints.collect()).unwrap()
+}
+
 /// A hand whose bones have other sizes and bumps (their root mean square in mm), in the template's joint
 /// angles. One size for the hand, others for each bone's length and width, of which the share `alike`
 /// is that of all bones; bones stay joined.

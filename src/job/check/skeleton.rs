@@ -1,6 +1,6 @@
 //! What is in a skeleton file or an OpenSim model, and what is wrong with it, in words.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::Isometry3;
@@ -15,6 +15,7 @@ use crate::job::register::skeleton_files::{read_skeleton, read_tissues};
 use crate::math::Vec3;
 use crate::mesh::{SurfaceCheck, diagonal};
 use crate::register::animation::present_angles;
+use crate::register::few::few;
 use crate::register::rotation::rotation_vector;
 use crate::register::{Joint, Skeleton};
 
@@ -29,7 +30,7 @@ const USUAL_SIZE: [f64; 2] = [0.005, 10.0];
 pub fn skeleton_file(path: &Path) -> Result<FileCheck> {
     let files = read_skeleton(path)?;
     let mut findings = findings(&files.document, &files.skeleton);
-    findings.extend(read_tissues(path, &files.document, &[]).err().map(|e| e.to_string()));
+    findings.extend(read_tissues(path, &files.document).err().map(|e| e.to_string()));
     let folder = path.parent().unwrap_or(Path::new(""));
     let document = &files.document;
     let image = document.reference_image.iter().flat_map(|r| r.volume.iter().chain(&r.profiles));
@@ -94,24 +95,22 @@ fn bones(document: &SkeletonDocument, skeleton: &Skeleton) -> Vec<String> {
     let jointed = |b: usize| skeleton.joints.iter().any(|j| j.neighbour(b).is_some());
     let alone = (0..skeleton.bones.len()).filter(|&b| skeleton.bones.len() > 1 && !jointed(b));
     let alone: Vec<&str> = alone.map(|b| skeleton.bones[b].name.as_str()).collect();
-    let mut of_label: HashMap<u32, Vec<&str>> = HashMap::new();
+    let mut of_label: BTreeMap<u32, Vec<&str>> = BTreeMap::new();
     for bone in &document.bones {
         if let Some(label) = bone.label {
             of_label.entry(label).or_default().push(&bone.name);
         }
     }
-    let mut shared: Vec<_> = of_label.into_iter().filter(|(_, bones)| bones.len() > 1).collect();
-    shared.sort_unstable();
     let told = [
         (open, "have holes"),
         (inside_out, "are inside out; flip their normals"),
         (alone, "have no joint; nothing says where they are if they are not seen"),
     ];
-    let mut findings: Vec<String> =
-        told.iter().filter_map(|(names, what)| sentence("bones", names, what)).collect();
-    findings.extend(shared.iter().filter_map(|(label, names)| {
-        sentence("bones", names, &format!("share the label {label}; give each its own"))
-    }));
+    let mut findings = sentences("bones", &told);
+    for (label, names) in of_label.into_iter().filter(|(_, bones)| bones.len() > 1) {
+        let what = format!("share the label {label}; give each its own");
+        findings.extend(sentences("bones", &[(names, &what)]));
+    }
     findings
 }
 
@@ -142,8 +141,7 @@ fn joints(skeleton: &Skeleton) -> Vec<String> {
         (apart, "have frames further apart than \"shift\" allows, in the skeleton's own pose"),
         (turned, "are turned beyond their own limits, in the skeleton's own pose"),
     ];
-    let mut findings: Vec<String> =
-        told.iter().filter_map(|(names, what)| sentence("joints", names, what)).collect();
+    let mut findings = sentences("joints", &told);
     findings.extend(angles(skeleton));
     findings
 }
@@ -151,13 +149,11 @@ fn joints(skeleton: &Skeleton) -> Vec<String> {
 /// Angles with one name, and those outside their ranges.
 fn angles(skeleton: &Skeleton) -> Vec<String> {
     let coordinates = || skeleton.joints.iter().flat_map(|joint: &Joint| &joint.coordinates);
-    let mut counts: HashMap<&str, usize> = HashMap::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for coordinate in coordinates() {
         *counts.entry(&coordinate.name).or_default() += 1;
     }
-    let mut twice: Vec<&str> =
-        counts.iter().filter(|(_, n)| **n > 1).map(|(name, _)| *name).collect();
-    twice.sort_unstable();
+    let twice = counts.iter().filter(|(_, n)| **n > 1).map(|(name, _)| *name).collect();
     let outside = coordinates().zip(present_angles(skeleton)).filter(|(coordinate, (_, angle))| {
         let slack = BEYOND_DEGREES.to_radians();
         !(coordinate.range[0] - slack..=coordinate.range[1] + slack).contains(angle)
@@ -167,15 +163,13 @@ fn angles(skeleton: &Skeleton) -> Vec<String> {
         (twice, "stand for two joints each; a motion would move both"),
         (outside, "are outside their range, in the skeleton's own pose"),
     ];
-    told.iter().filter_map(|(names, what)| sentence("angles", names, what)).collect()
+    sentences("angles", &told)
 }
 
-/// `bones have holes: a, b`; none about nothing.
-fn sentence(kind: &str, names: &[&str], what: &str) -> Option<String> {
-    let more = names.len().saturating_sub(MOST_NAMED);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let named = names[..names.len().min(MOST_NAMED)].join(", ");
-    (!names.is_empty()).then(|| format!("{kind} {what}: {named}{more}"))
+/// `bones have holes: a, b` for each kind of finding; nothing about none.
+fn sentences(kind: &str, told: &[(Vec<&str>, &str)]) -> Vec<String> {
+    let told = told.iter().filter(|(names, _)| !names.is_empty());
+    told.map(|(names, what)| format!("{kind} {what}: {}", few(names, MOST_NAMED))).collect()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::io::gltf::write_glb;
 use crate::io::{file_name, has_extension, stem, write_beside, write_surface};
 use crate::job::register::motion_files::{read_motion, write_motion_file};
 use crate::job::register::scene::{metres_per_unit, scene};
-use crate::job::register::skeleton_files::{TissueFile, read_skeleton, read_tissues};
+use crate::job::register::skeleton_files::{read_skeleton, read_tissues};
 use crate::register::animation::unknown_angles;
 
 /// One conversion; what is needed depends on the formats.
@@ -55,8 +55,7 @@ pub fn convert(job: &Conversion) -> Result<Vec<String>> {
         let unit = metres_per_unit(files.document.units.as_deref());
         let motion = job.motion.as_deref();
         let motion = motion.map(|m| read_motion(m, &files.skeleton, &job.flip)).transpose()?;
-        let tissues = read_tissues(from, &files.document, &[])?;
-        let tissues = tissues.iter().map(TissueFile::tissue).collect::<Result<Vec<_>>>()?;
+        let tissues = read_tissues(from, &files.document)?;
         write_glb(to, &scene(&files.skeleton, &tissues, motion.as_ref(), unit)?)?;
         return Ok(Vec::new());
     }

@@ -99,19 +99,20 @@ fn path(joint: &OsimJoint, model: &OsimModel, values: &Values) -> Option<Follows
     leaders.dedup();
     let [leader] = leaders[..] else { return None };
     let is_turn = moving.len() == 1 && own_angles(joint, model).next().is_some();
-    let angle_of = |other: &&OsimJoint| own_angles(other, model).any(|(c, _)| c.name == leader);
-    let known = model.joints.iter().find(angle_of);
+    let mut angles = model.joints.iter().flat_map(|joint| own_angles(joint, model));
+    if is_turn || !angles.any(|(coordinate, _)| coordinate.name == leader) {
+        return None;
+    }
     let range = model.coordinates().find(|c| c.name == leader)?.range;
     let [low, high] = range.map(|x| x.clamp(-std::f64::consts::PI, std::f64::consts::PI));
     // The default pose may lie beyond the range.
     let default = values.get(leader)?;
     let (low, high) = (low.min(*default), high.max(*default));
-    if is_turn || known.is_none() || low >= high {
+    if low >= high {
         return None;
     }
     let still = Translation3::from(joint.shift(values)).inverse();
-    let stations = (0..=SAMPLES).map(|k| {
-        let value = low + (high - low) * k as f64 / SAMPLES as f64;
+    let stations = spread([low, high]).map(|value| {
         let mut values = values.clone();
         values.insert(leader.to_string(), value);
         model.couple(&mut values);
@@ -163,15 +164,17 @@ fn limits(joint: &OsimJoint, model: &OsimModel, values: &Values) -> LimitsEntry 
 
 /// Values over the range of a coordinate, or of the one that leads it.
 fn values_within(name: &str, range: [f64; 2], model: &OsimModel) -> Vec<f64> {
-    let spread = |[low, high]: [f64; 2]| {
-        let [low, high] = [low, high].map(|x| x.clamp(-FREE, FREE));
-        (0..=SAMPLES).map(move |k| low + (high - low) * k as f64 / SAMPLES as f64)
-    };
+    let bounded = |range: [f64; 2]| spread(range.map(|x| x.clamp(-FREE, FREE)));
     let Some(coupler) = model.leader(name) else {
-        return spread(range).collect();
+        return bounded(range).collect();
     };
     let leading = model.coordinates().find(|c| c.name == coupler.leading);
-    spread(leading.map_or([0.0; 2], |c| c.range)).map(|x| coupler.function.value(x)).collect()
+    bounded(leading.map_or([0.0; 2], |c| c.range)).map(|x| coupler.function.value(x)).collect()
+}
+
+/// Values from one to the other in even steps.
+fn spread([low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..=SAMPLES).map(move |k| low + (high - low) * k as f64 / SAMPLES as f64)
 }
 
 #[cfg(test)]

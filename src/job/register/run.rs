@@ -9,7 +9,7 @@ use super::model_file::read_shape_model;
 use super::motion_files::read_motion;
 use super::output;
 use super::report::RegisterReport;
-use super::skeleton_files::{SkeletonFiles, read_skeleton, read_tissues};
+use super::skeleton_files::{SkeletonFiles, read_skeleton, read_tissue_files};
 use super::spec::RegisterJob;
 use super::target::read_target;
 use crate::error::{Error, Result};
@@ -45,7 +45,7 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
     let target = target.with_landmarks(&files.skeleton, &landmarks.landmarks)?;
     notes.extend(landmarks.warning.clone());
     let more = job.carry.as_deref().unwrap_or_default();
-    let tissues = read_tissues(&job.skeleton, &files.document, more)?;
+    let tissues = read_tissue_files(&job.skeleton, &files.document, more)?;
     let flip = job.flip.as_deref().unwrap_or_default();
     let motion = job.motion.as_deref();
     let motion = motion.map(|path| read_motion(path, &files.skeleton, flip)).transpose()?;

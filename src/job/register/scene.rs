@@ -9,7 +9,7 @@ use crate::math::Vec3;
 use crate::mesh::TriMesh;
 use crate::register::Skeleton;
 use crate::register::animation::{Motion, animate};
-use crate::register::skin::skin_weights;
+use crate::register::skin::{Carriers, skin_weights};
 
 /// Metres per unit of a skeleton file that says its unit; millimetres otherwise.
 pub fn metres_per_unit(units: Option<&str>) -> f64 {
@@ -75,16 +75,22 @@ pub fn scene(
         }
     });
     let nodes = nodes.collect();
-    let skins = tissues.iter().map(|tissue| {
-        let mut weights = skin_weights(skeleton, &tissue.mesh)?;
-        for (bone, _) in weights.iter_mut().flatten() {
-            *bone = node_of(*bone).unwrap_or_default();
-        }
-        Ok(GltfSkin { name: tissue.name.clone(), mesh: tissue.mesh.clone(), weights })
-    });
-    let skins = skins.collect::<Result<_>>()?;
+    let mut skins = if tissues.is_empty() { Vec::new() } else { skins(skeleton, tissues)? };
+    for (bone, _) in skins.iter_mut().flat_map(|skin| &mut skin.weights).flatten() {
+        *bone = node_of(*bone).unwrap_or_default();
+    }
     let times = motion.map(|m| m.times.clone()).unwrap_or_default();
     Ok(GltfScene { nodes, skins, times, metres_per_unit })
+}
+
+/// The tissues with the bones that carry them.
+fn skins(skeleton: &Skeleton, tissues: &[Tissue]) -> Result<Vec<GltfSkin>> {
+    let carriers = Carriers::new(skeleton);
+    let skin = |Tissue { name, mesh }: &Tissue| {
+        let weights = skin_weights(&carriers, mesh)?;
+        Ok(GltfSkin { name: name.clone(), mesh: mesh.clone(), weights })
+    };
+    tissues.iter().map(skin).collect()
 }
 
 fn limits_value(skeleton: &Skeleton, j: usize) -> serde_json::Value {

@@ -46,13 +46,18 @@ pub struct TissueFile {
 
 impl TissueFile {
     /// Its surface in the skeleton's pose.
-    pub fn tissue(&self) -> Result<Tissue> {
+    pub(super) fn tissue(&self) -> Result<Tissue> {
         Ok(Tissue { name: self.name.clone(), mesh: self.file.mesh()? })
     }
 }
 
-/// Reads the soft tissues that a skeleton file names, `path` being the skeleton file, and `more` surfaces.
-pub fn read_tissues(
+/// Reads the soft tissues that a skeleton file names, `path` being the skeleton file.
+pub fn read_tissues(path: &Path, document: &SkeletonDocument) -> Result<Vec<Tissue>> {
+    read_tissue_files(path, document, &[])?.iter().map(TissueFile::tissue).collect()
+}
+
+/// The same with the files, and with `more` surfaces.
+pub(crate) fn read_tissue_files(
     path: &Path,
     document: &SkeletonDocument,
     more: &[PathBuf],

@@ -1,6 +1,7 @@
 //! The verdict on a whole result.
 
 use super::{Finding, Judgement, Verdict};
+use crate::register::few::few;
 use crate::register::summary::BoneSummary;
 
 /// Share of the target that lies on no bone: doubtful, failed.
@@ -17,9 +18,7 @@ const NAMED: usize = 5;
 
 fn listed<'a>(bones: impl Iterator<Item = &'a (&'a BoneSummary, &'a bool)>) -> String {
     let names: Vec<&str> = bones.map(|(bone, _)| bone.name.as_str()).collect();
-    let more = names.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    names[..names.len().min(NAMED)].join(", ") + &more
+    few(&names, NAMED)
 }
 
 /// The verdict on a result from that on its bones, of which some are `without` a surface in the target, the
