@@ -165,13 +165,15 @@ fn pelvis(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
     let left = surfaces(&mirrored[1], LEFT);
     let leg = read_skeleton(&data.join("lowerlimb_vhm/skeleton.json")).unwrap().skeleton;
     let template = hands::only(&leg, &BONES);
-    let named = BONES.iter().map(ToString::to_string).zip(left).collect();
-    let target = Target::per_bone(&template, named).unwrap();
     // The template lies near enough; from a start of its own the left side is not found.
     let near = Options { align: false, ..Options::default() };
-    let placed = register(&template, &target, &near, &Run::new()).unwrap().skeleton;
+    let placed = on_labels(&template, &left, &near);
     let case = |cut: bool| {
-        let start = if cut { inside(&placed, &mirrored[0]) } else { placed.clone() };
+        let start = if cut {
+            on_labels(&inside(&template, &placed, &mirrored[0]), &left, &Options::default())
+        } else {
+            placed.clone()
+        };
         Case {
             name: pelvis_name(cut).into(),
             reference: start.clone(),
@@ -200,13 +202,26 @@ fn mirror(volume: &Volume, middle: f64) -> Volume {
     Volume::new(volume.size(), volume.values().to_vec(), map, origin).unwrap()
 }
 
-/// The triangles inside an image.
-fn inside(skeleton: &Skeleton, image: &Volume) -> Skeleton {
+/// The triangles of the template that an image shows where the sacrum and the hip lie as in `placed`.
+fn inside(template: &Skeleton, placed: &Skeleton, image: &Volume) -> Skeleton {
+    let femur = &template.bones[2].vertices;
+    let seen: Vec<f64> =
+        (0..template.points.len()).map(|v| f64::from(!femur.contains(&v))).collect();
+    let motion = whole_motion(&template.points, &placed.points, &seen);
     let cut = |b: usize| {
-        let bone = skeleton.bone_surface(b, &skeleton.points);
-        let shown: Vec<bool> = bone.points.iter().map(|p| image.sample(p).is_some()).collect();
+        let bone = template.bone_surface(b, &template.points);
+        let shown =
+            |p: &Vec3| image.sample(&(motion * nalgebra::Point3::from(*p)).coords).is_some();
+        let shown: Vec<bool> = bone.points.iter().map(shown).collect();
         let piece = damage::kept(&bone, |t| bone.triangles[t].iter().all(|v| shown[*v as usize]));
-        (skeleton.bones[b].name.clone(), piece)
+        (template.bones[b].name.clone(), piece)
     };
-    Skeleton::new((0..skeleton.bones.len()).map(cut).collect(), skeleton.joints.clone()).unwrap()
+    Skeleton::new((0..template.bones.len()).map(cut).collect(), template.joints.clone()).unwrap()
+}
+
+/// The bones registered to surfaces of their own.
+fn on_labels(bones: &Skeleton, surfaces: &[TriMesh], options: &Options) -> Skeleton {
+    let named = bones.bones.iter().map(|b| b.name.clone()).zip(surfaces.to_vec()).collect();
+    let target = Target::per_bone(bones, named).unwrap();
+    register(bones, &target, options, &Run::new()).unwrap().skeleton
 }

@@ -38,7 +38,7 @@ fn run(case: &Case) {
     let verdict = found.judgement.verdict.name();
     let (before, after) = (case.errors(&case.start), case.errors(&found.skeleton));
     for ((bone, start), (_, end)) in before.into_iter().zip(after) {
-        let mark = if end > start { " !" } else { "" };
+        let mark = if end > start + 0.005 { " !" } else { "" };
         println!(
             "| {} | {bone} | {start:.2} | {end:.2}{mark} | {seconds:.0} | {verdict} |",
             case.name
