@@ -103,10 +103,6 @@ fn two_bones() -> (Skeleton, Skeleton) {
     (template, truth)
 }
 
-fn near() -> Options {
-    Options { image_reach: [0.1, 0.025], ..Options::default() }
-}
-
 #[test]
 fn a_finger_is_found_in_an_image_whatever_its_gain() {
     let (template, truth) = two_bones();
@@ -116,7 +112,7 @@ fn a_finger_is_found_in_an_image_whatever_its_gain() {
         let person = image(&truth, FINE, 0.04, 77, gain);
         let looks = Appearance::profiles(&template, &reference, None).unwrap();
         let target = Target::image(&template, person, looks).unwrap();
-        let found = register(&template, &target, &near(), &Run::new()).unwrap();
+        let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
         let [surface, vertex] =
             [surface_error, vertex_error].map(|error| error(&found.skeleton, &truth));
         println!(
@@ -131,20 +127,19 @@ fn a_finger_is_found_in_an_image_whatever_its_gain() {
     assert!((errors[0] - errors[1]).abs() < 0.02, "{errors:?}");
 }
 
-/// They mind the image's gain, profiles do not.
 #[test]
 fn the_published_moments_find_the_bones_too() {
     let (template, truth) = two_bones();
     let reference = image(&template, FINE, 0.04, 1, 1.0);
-    for (gain, good) in [(1.0, true), (0.8, false)] {
+    for gain in [1.0, 0.8] {
         let person = image(&truth, FINE, 0.04, 77, gain);
         let looks = Appearance::moments(&template, &reference, 0.8).unwrap();
         let target = Target::image(&template, person, looks).unwrap();
-        let found = register(&template, &target, &near(), &Run::new()).unwrap();
+        let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
         let surface = surface_error(&found.skeleton, &truth);
         let vertex = vertex_error(&found.skeleton, &truth);
         println!("moments, gain {gain}: {surface:.3}, {vertex:.3} mm");
-        assert_eq!(surface < 0.1, good, "{surface}");
+        assert!(surface < 0.1, "{surface}");
     }
 }
 

@@ -25,11 +25,17 @@ pub(super) struct Attempt {
     pub(super) robust: Option<f64>,
     /// Which of the rigid starts, best first.
     pub(super) start: usize,
+    /// How far an image is searched to each side, template unit; none = as the level says.
+    pub(super) reach: Option<f64>,
 }
 
 impl Attempt {
     /// The first one.
-    pub(super) const PLAIN: Self = Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0 };
+    pub(super) const PLAIN: Self =
+        Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0, reach: None };
+    /// The only one in an image: much there looks like a bone, so far pairs are trusted less from the
+    /// beginning.
+    pub(super) const IN_IMAGE: Self = Self { to: 1.0, robust: Some(NEAR_FACTOR), ..Self::PLAIN };
     /// The same to the mirrored target.
     pub(super) const MIRRORED: Self =
         Self { name: "mirrored: ", from: 0.6, to: 0.7, ..Self::PLAIN };
@@ -38,10 +44,20 @@ impl Attempt {
         from: 0.7,
         to: 0.85,
         robust: Some(NEAR_FACTOR),
-        start: 0,
+        ..Self::PLAIN
     };
     const SECOND_START: Self =
         Self { name: "second start: ", from: 0.85, to: 1.0, start: 1, ..Self::NEAR };
+
+    /// The first one to a target.
+    pub(super) fn first(target: &Target) -> Self {
+        if target.image.is_some() { Self::IN_IMAGE } else { Self::PLAIN }
+    }
+
+    /// The same with images searched this far.
+    pub(super) fn searching(self, reach: f64) -> Self {
+        Self { reach: Some(reach), ..self }
+    }
 
     /// Says that a stage begins at a share of this attempt.
     pub(super) fn enter(&self, run: &Run, stage: &str, share: f64) {

@@ -134,9 +134,9 @@ impl<'a> Correspond<'a> {
         self.groups.iter().flat_map(|(group, _)| group.met_by_target())
     }
 
-    /// Whether the target is an image.
-    pub(super) fn in_image(&self) -> bool {
-        self.image.is_some()
+    /// The image that is searched, where the target is one.
+    pub(super) fn image(&self) -> Option<&'a ImageTarget> {
+        self.image.as_ref().map(|(image, _)| *image)
     }
 
     /// Correspondences of the template at `points`.

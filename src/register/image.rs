@@ -9,8 +9,10 @@ use crate::math::Vec3;
 use crate::mesh::normals::{area_vectors, vertex_normals};
 use crate::volume::{Match, Moments, Profiles, Volume};
 
-/// Profiles reach so many smallest voxel sizes to each side of the surface.
+/// Profiles reach so many smallest voxel sizes to each side of the surface,
 const PROFILE_VOXELS: f64 = 10.0;
+/// but no further than this, mm: further out lie other bones, which move by themselves.
+const LONGEST_PROFILE: f64 = 8.0;
 /// Samples of a profile, in smallest voxel sizes.
 const PROFILE_STEP: f64 = 0.8;
 
@@ -25,12 +27,12 @@ pub enum Appearance {
 
 impl Appearance {
     /// Profiles of the template as it lies in `reference`. `reach`: mm to each side of the surface
-    /// \[10 of the image's smallest voxel sizes\].
+    /// \[10 of the image's smallest voxel sizes, 8 mm at most\].
     pub fn profiles(template: &Skeleton, reference: &Volume, reach: Option<f64>) -> Result<Self> {
         let voxel = reference.spacing().min();
         let faces = area_vectors(&template.points, &template.triangles);
         let normals = vertex_normals(template.points.len(), &template.triangles, &faces);
-        let reach = reach.unwrap_or(PROFILE_VOXELS * voxel);
+        let reach = reach.unwrap_or((PROFILE_VOXELS * voxel).min(LONGEST_PROFILE));
         let step = (PROFILE_STEP * voxel).min(reach);
         let profiles = Profiles::new(reference, &template.points, &normals, reach, step)?;
         if profiles.values().iter().all(|v| v.is_nan()) {
@@ -105,5 +107,15 @@ impl ImageTarget {
             *one = one.filter(|m| m.score >= threshold);
         }
         found
+    }
+
+    /// How like the template's surroundings in its own image the person's image is around each point; none
+    /// where nothing can be said.
+    pub fn likeness(&self, points: &[Vec3], normals: &[Vec3]) -> Vec<Option<f64>> {
+        match (&*self.appearance, &self.features) {
+            (Appearance::Profiles(profiles), _) => profiles.likeness(&self.volume, points, normals),
+            (Appearance::Moments(moments), Some(grids)) => moments.likeness(grids, points),
+            (Appearance::Moments(_), None) => vec![None; points.len()],
+        }
     }
 }

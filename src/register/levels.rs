@@ -60,12 +60,10 @@ impl Registration {
                 break;
             }
         }
-        let count = levels.len();
         for (k, level) in levels.iter_mut().enumerate() {
             if k == 0 {
                 level.rules.taken = 0.0;
             }
-            level.rules.reach = self.image_reach(k, count);
             level.rules.landmark_radius = if level.bones_apart { 0.0 } else { level.radius };
             level.repaired = k < REPAIRED_LEVELS && self.options.use_joints;
         }
@@ -82,14 +80,6 @@ impl Registration {
             repaired: false,
             ..first.clone()
         })
-    }
-
-    /// How far images are searched at level `k` of `count`: from the first to the last value in even
-    /// ratios.
-    fn image_reach(&self, k: usize, count: usize) -> f64 {
-        let [first, last] = self.options.image_reach;
-        let share = k as f64 / (count.max(2) - 1) as f64;
-        first * (last / first).powf(share) * self.diagonal
     }
 
     pub(super) fn rules(&self, min_cosine: f64, robust: Option<f64>) -> PairRules {

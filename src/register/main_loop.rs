@@ -44,12 +44,13 @@ impl Registration {
         if refuses {
             self.refuse_other_unit(target)?;
         }
-        Attempt::PLAIN.enter(run, "rigid start", 0.0);
+        let attempt = Attempt::first(target);
+        attempt.enter(run, "rigid start", 0.0);
         let starts = self.starts(target);
         let found = self
-            .find(target, &starts, Attempt::PLAIN, run)
+            .find(target, &starts, attempt, run)
             .ok_or_else(|| Error::invalid("the template cannot be laid on the target"))?;
-        if found.cancelled {
+        if found.cancelled || target.image.is_some() {
             return Ok(found);
         }
         if refuses {
@@ -91,8 +92,7 @@ impl Registration {
                 }
                 None => search_coarse.resampled(&template.points, areas, level.spacing),
             };
-            let most = level.most_updates;
-            trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
+            trace.push(self.go_through(level, attempt, &mut search, &mut state, run));
             if level.repaired && target.image.is_none() {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
@@ -112,7 +112,7 @@ impl Registration {
 
     /// The levels of a run: where nothing can be taken for its neighbour, none with springs.
     fn levels_for(&self, target: &Target) -> Vec<&Level> {
-        let confused = !target.is_labelled() && target.image.is_none();
+        let confused = !target.is_labelled();
         self.levels.iter().filter(|level| confused || level.springs.is_none()).collect()
     }
 
@@ -126,7 +126,11 @@ impl Registration {
         most_updates: usize,
     ) -> LevelTrace {
         let mut trace = LevelTrace { radius: level.radius, ..LevelTrace::default() };
-        let rules = PairRules { robust: level.rules.robust.or(attempt.robust), ..level.rules };
+        let rules = PairRules {
+            robust: level.rules.robust.or(attempt.robust),
+            reach: attempt.reach.unwrap_or(level.rules.reach),
+            ..level.rules
+        };
         let started = Instant::now();
         let mut at_last_update = state.points.clone();
         let mut before_last = state.points.clone();
@@ -135,7 +139,7 @@ impl Registration {
         state.rest = joint_turns(&state.reference);
         while trace.updates < most_updates && !run.is_cancelled() {
             let mut pairs = search.at(&state.points, &rules);
-            if !search.in_image() {
+            if search.image().is_none() {
                 let drift = state.points.iter().zip(&before_last).map(|(now, before)| now - before);
                 pairs.slide_on(drift, self.options.momentum);
             }

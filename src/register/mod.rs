@@ -20,6 +20,7 @@ pub mod few;
 mod finish;
 pub mod glide;
 mod image;
+mod image_levels;
 pub mod joint_frames;
 pub mod joint_limits;
 pub mod joint_path;

@@ -107,8 +107,8 @@ pub struct Options {
     pub further_attempts: usize,
     /// The target is of this unit and this side of the body, whatever it looks like.
     pub as_is: bool,
-    /// How far an image is searched to each side of a vertex, at the first and at the last level, as
-    /// shares of the template's diagonal. [G] 3.2.2: 20 mm to 5 mm for a hand.
+    /// How far an image is searched to each side of a vertex at most and at least, as shares of the
+    /// template's diagonal. [G] 3.2.2: 20 mm to 5 mm for a hand.
     pub image_reach: [f64; 2],
 }
 
@@ -143,7 +143,7 @@ impl Default for Options {
             align: true,
             further_attempts: 2,
             as_is: false,
-            image_reach: [0.1, 0.025],
+            image_reach: [0.1, 0.005],
         }
     }
 }

@@ -27,7 +27,7 @@ impl Options {
             align: false,
             springs: Vec::new(),
             seat_factor: 1.0,
-            image_reach: [0.08, 0.02],
+            image_reach: [0.08, 0.005],
             ..Self::default()
         }
     }
@@ -47,16 +47,10 @@ impl Registration {
         }
         let mut state = State::at(from.clone());
         let mut trace = Vec::new();
+        let attempt = Attempt::first(frame);
         for level in &self.levels {
             let mut search = self.search(frame, level.spacing);
-            trace.push(self.run_level(
-                level,
-                Attempt::PLAIN,
-                &mut search,
-                &mut state,
-                run,
-                level.most_updates,
-            ));
+            trace.push(self.go_through(level, attempt, &mut search, &mut state, run));
         }
         Ok(self.finish(state, frame, trace, run.is_cancelled()))
     }

@@ -75,29 +75,33 @@ impl Moments {
         range: f64,
     ) -> Vec<Option<Match>> {
         let step = range / f64::from(SAMPLES);
-        let likeness = |wanted: &[f32; FEATURES], at: &Vec3| {
-            let seen = grids.at(at, &self.scale);
-            // [G] 3.2.2: the product of the likenesses of all features.
-            let product: f64 = wanted
-                .iter()
-                .zip(&seen)
-                .map(|(a, b)| f64::from(1.0 - (a - b).abs()).max(0.0))
-                .product();
-            if product.is_nan() { 0.0 } else { product }
-        };
         (0..points.len())
             .into_par_iter()
             .map(|i| {
                 let scores: Vec<f64> = (-SAMPLES..=SAMPLES)
-                    .map(|s| {
-                        likeness(&self.values[i], &(points[i] + normals[i] * (f64::from(s) * step)))
-                    })
+                    .map(|s| points[i] + normals[i] * (f64::from(s) * step))
+                    .map(|at| self.alike(i, grids, &at).unwrap_or(0.0))
                     .collect();
                 let best = (0..scores.len()).max_by(|&a, &b| scores[a].total_cmp(&scores[b]))?;
                 let shift = (best as f64 - f64::from(SAMPLES)) * step;
                 (scores[best] > 0.0).then_some(Match { shift, score: scores[best] })
             })
             .collect()
+    }
+
+    /// How like its features another image is at each point, 0 to 1; none outside the image.
+    pub fn likeness(&self, grids: &FeatureGrids, points: &[Vec3]) -> Vec<Option<f64>> {
+        points.par_iter().enumerate().map(|(i, at)| self.alike(i, grids, at)).collect()
+    }
+
+    /// [G] 3.2.2: the product of the likenesses of all features.
+    fn alike(&self, i: usize, grids: &FeatureGrids, at: &Vec3) -> Option<f64> {
+        let seen = grids.at(at, &self.scale);
+        let alike = |(a, b): (&f32, &f32)| f64::from(1.0 - (a - b).abs());
+        let each = self.values[i].iter().zip(&seen).map(alike);
+        // `max` would take a value that is no number for 0.
+        let product: f64 = each.map(|alike| if alike < 0.0 { 0.0 } else { alike }).product();
+        (!product.is_nan()).then_some(product)
     }
 }
 

@@ -126,6 +126,20 @@ impl Profiles {
             .collect()
     }
 
+    /// How like its profile the image is at each point: their correlation. None where the profile shows
+    /// nothing, or the line leaves the image.
+    pub fn likeness(&self, volume: &Volume, points: &[Vec3], normals: &[Vec3]) -> Vec<Option<f64>> {
+        let floor = FLAT * self.usual_deviation();
+        let lines = points.par_iter().zip(normals).enumerate();
+        let likeness = |(i, (point, normal))| {
+            let (wanted, deviation) = centred(self.of(i))?;
+            let seen = line(volume, point, normal, self.half, self.step);
+            let found = (deviation >= floor).then(|| best_shift(&wanted, &seen, floor))?;
+            found.map(|(_, score)| score)
+        };
+        lines.map(likeness).collect()
+    }
+
     /// The middle one of the profiles' standard deviations.
     fn usual_deviation(&self) -> f64 {
         let all = (0..self.len()).filter_map(|i| centred(self.of(i))).map(|(_, d)| d);

@@ -67,8 +67,8 @@ pub struct RegisterJob {
     /// How images are compared: profiles, or the published moments [default: profiles]
     #[cfg_attr(feature = "cli", arg(long, value_enum, help_heading = "Method"))]
     pub measure: Option<Measure>,
-    /// How far an image is searched to each side, at the first and the last level, mm [default: 10 and
-    /// 2.5 % of the template's diagonal]
+    /// How far an image is searched to each side, at most and at least, mm [default: 10 and 0.5 % of the
+    /// template's diagonal]
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "MM", num_args = 2, help_heading = "Method")

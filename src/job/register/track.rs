@@ -29,8 +29,8 @@ pub struct TrackJob {
     /// profiles, or the published moments
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t))]
     pub measure: Measure,
-    /// How far to look to each side at the first and at the last pass, mm [default: 8 and 2 % of
-    /// the skeleton's diagonal]
+    /// How far to look to each side, at most and at least, mm [default: 8 and 0.5 % of the skeleton's
+    /// diagonal]
     #[cfg_attr(feature = "cli", arg(long, value_name = "MM", num_args = 2))]
     pub reach: Option<Vec<f64>>,
     /// Leave the joints out, for comparison: bones fly apart
