@@ -53,8 +53,7 @@ impl Registration {
 
     /// Whether a shape is more like the image than another, over the vertices of which both can say it.
     fn is_better(&self, likeness: &[Option<f64>], before: &[Option<f64>]) -> bool {
-        let gain =
-            |((a, b), area): ((&Option<f64>, &Option<f64>), &f64)| Some(area * ((*a)? - (*b)?));
-        likeness.iter().zip(before).zip(&self.areas).filter_map(gain).sum::<f64>() > 0.0
+        let gain = |i: usize| Some(self.areas[i] * (likeness[i]? - before[i]?));
+        (0..self.areas.len()).filter_map(gain).sum::<f64>() > 0.0
     }
 }

@@ -112,8 +112,8 @@ impl Registration {
 
     /// The levels of a run: where nothing can be taken for its neighbour, none with springs.
     fn levels_for(&self, target: &Target) -> Vec<&Level> {
-        let confused = !target.is_labelled();
-        self.levels.iter().filter(|level| confused || level.springs.is_none()).collect()
+        let usable = |level: &&Level| level.springs.is_none() || !target.is_labelled();
+        self.levels.iter().filter(usable).collect()
     }
 
     pub(super) fn run_level(

@@ -74,7 +74,7 @@ pub struct Options {
     /// Share of its last movement along the surface that a vertex is asked to make again, 0 to 1
     /// (surfaces only).
     pub momentum: f64,
-    /// Levels before the first, on which the joints are springs (surfaces of all bones together only): the
+    /// Levels before the first, on which the joints are springs (not where the target tells the bones apart): the
     /// distance of a bone from its data, as a share of the template's diagonal, that counts as much as a
     /// joint turned by its whole range. Empty = none, as published.
     pub springs: Vec<f64>,
@@ -103,7 +103,7 @@ pub struct Options {
     pub seat_factor: f64,
     /// Find the rigid start by trying many rotations; otherwise the template starts as it lies.
     pub align: bool,
-    /// Attempts after the plain one at most, where bones stay in doubt.
+    /// Attempts after the plain one at most, where bones stay in doubt (surfaces only).
     pub further_attempts: usize,
     /// The target is of this unit and this side of the body, whatever it looks like.
     pub as_is: bool,

@@ -23,6 +23,8 @@ pub struct Profiles {
     half: usize,
     /// `2 * half + 1` values for each point, from inside (against the normal) outwards.
     values: Vec<f32>,
+    /// Standard deviation below which a profile shows nothing.
+    floor: f64,
 }
 
 /// Where a profile was found again.
@@ -53,7 +55,7 @@ impl Profiles {
         let half = half.round() as usize;
         let lines = points.par_iter().zip(normals);
         let values = lines.flat_map_iter(|(p, n)| line(volume, p, n, half, step)).collect();
-        Ok(Self { step, half, values })
+        Ok(Self::with_floor(step, half, values))
     }
 
     /// From stored values, `2 * half + 1` for each point.
@@ -63,7 +65,7 @@ impl Profiles {
         if !(step.is_finite() && step > 0.0 && half >= 1 && whole) {
             return Err(Error::invalid("the stored profiles are not a whole number of profiles"));
         }
-        Ok(Self { step, half, values })
+        Ok(Self::with_floor(step, half, values))
     }
 
     /// Number of points.
@@ -106,7 +108,6 @@ impl Profiles {
         normals: &[Vec3],
         range: f64,
     ) -> Vec<Option<Match>> {
-        let floor = FLAT * self.usual_deviation();
         let shifts = (range / self.step).round().clamp(1.0, MOST_SAMPLES) as usize;
         points
             .par_iter()
@@ -114,11 +115,11 @@ impl Profiles {
             .enumerate()
             .map(|(i, (point, normal))| {
                 let wanted = centred(self.of(i))?;
-                if wanted.1 < floor {
+                if wanted.1 < self.floor {
                     return None;
                 }
                 let seen = line(volume, point, normal, self.half + shifts, self.step);
-                best_shift(&wanted.0, &seen, floor).map(|(shift, score)| Match {
+                best_shift(&wanted.0, &seen, self.floor).map(|(shift, score)| Match {
                     shift: (shift - shifts as f64) * self.step,
                     score,
                 })
@@ -129,21 +130,21 @@ impl Profiles {
     /// How like its profile the image is at each point: their correlation. None where the profile shows
     /// nothing, or the line leaves the image.
     pub fn likeness(&self, volume: &Volume, points: &[Vec3], normals: &[Vec3]) -> Vec<Option<f64>> {
-        let floor = FLAT * self.usual_deviation();
         let lines = points.par_iter().zip(normals).enumerate();
         let likeness = |(i, (point, normal))| {
             let (wanted, deviation) = centred(self.of(i))?;
             let seen = line(volume, point, normal, self.half, self.step);
-            let found = (deviation >= floor).then(|| best_shift(&wanted, &seen, floor))?;
+            let found =
+                (deviation >= self.floor).then(|| best_shift(&wanted, &seen, self.floor))?;
             found.map(|(_, score)| score)
         };
         lines.map(likeness).collect()
     }
 
-    /// The middle one of the profiles' standard deviations.
-    fn usual_deviation(&self) -> f64 {
-        let all = (0..self.len()).filter_map(|i| centred(self.of(i))).map(|(_, d)| d);
-        median(all).unwrap_or(0.0)
+    fn with_floor(step: f64, half: usize, values: Vec<f32>) -> Self {
+        let profiles = values.chunks_exact(2 * half + 1);
+        let usual = median(profiles.filter_map(centred).map(|(_, deviation)| deviation));
+        Self { step, half, values, floor: FLAT * usual.unwrap_or(0.0) }
     }
 }
 
