@@ -59,7 +59,7 @@ fn main() {
         .collect();
     let turned: Vec<Isometry3<f64>> = (0..skeleton.bones.len())
         .map(|k| {
-            let turn = Vector3::new(0.1, -0.05, 0.08) * (k as f64).sin();
+            let turn = Vector3::new(0.1, -0.05, 0.08) * libm::sin(k as f64);
             Isometry3::from_parts(
                 Vector3::new(1.0, 0.5, -1.0).into(),
                 UnitQuaternion::from_scaled_axis(turn),

@@ -182,7 +182,7 @@ fn renumbered(problem: &Problem) -> (TetMesh, Vec<u32>) {
     for (new, &old) in order.iter().enumerate() {
         place[old] = new as u32;
     }
-    let length = problem.surface.volume().abs().cbrt();
+    let length = libm::cbrt(problem.surface.volume().abs());
     let mesh = TetMesh {
         points: order.iter().map(|&v| problem.tets.points[v] / length).collect(),
         tets: problem.tets.tets.iter().map(|t| t.map(|v| place[v as usize])).collect(),

@@ -65,7 +65,7 @@ impl Setup {
         };
         let springs = held.iter().map(|&v| hold(v)).collect();
         let carriers = space.carriers(mesh.points.len(), mesh.tets.len());
-        let wave = |c: usize, p: usize| 0.1 * ((3 * c + 5 * p + 1) as f64).sin();
+        let wave = |c: usize, p: usize| 0.1 * libm::sin((3 * c + 5 * p + 1) as f64);
         let s: Vec<Sym3> = (0..carriers)
             .map(|c| space.from_logarithm(&Sym3::from_fn(|p, _| wave(c, p))))
             .collect();
@@ -77,7 +77,7 @@ impl Setup {
         for v in 18_u32..27 {
             let point = MaterialPoint(vec![(v, 0.7), (v - 9, 0.3)]);
             let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-            let residual = |d: &Vec3| 0.1 * (f64::from(v) + d.y).cos();
+            let residual = |d: &Vec3| 0.1 * libm::cos(f64::from(v) + d.y);
             rows.add(&point, axes.map(|d| (d, residual(&d), 20.0 + f64::from(v))));
         }
         Self { body, space, s, x, plastic, rows }

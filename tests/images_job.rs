@@ -39,7 +39,7 @@ fn write_images(folder: &Path) -> [PathBuf; 2] {
             for i in 0..SIDE {
                 let p = [i, j, k].map(|x| f64::from(2 * x - SIDE + 1));
                 let radius: f64 = (0..3).map(|a| (p[a] / AXES[a]).powi(2)).sum::<f64>().sqrt();
-                let grey = 400.0 / (1.0 + ((radius - 1.0) * 15.0).exp()) - 100.0
+                let grey = 400.0 / (1.0 + libm::exp((radius - 1.0) * 15.0)) - 100.0
                     + f64::from((i * 7 + j * 5 + k * 3) % 11);
                 labels.extend(i16::from(radius < 1.0).wrapping_mul(7).to_le_bytes());
                 image.extend((grey as i16).to_le_bytes());
@@ -61,7 +61,11 @@ fn write_template(path: &Path) {
         for s in 0..sides {
             let polar = std::f64::consts::PI * f64::from(r) / f64::from(rings);
             let turn = std::f64::consts::TAU * f64::from(s) / f64::from(sides);
-            let unit = Vec3::new(polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos());
+            let unit = Vec3::new(
+                libm::sin(polar) * libm::cos(turn),
+                libm::sin(polar) * libm::sin(turn),
+                libm::cos(polar),
+            );
             points.push(middle + unit * 20.0);
         }
     }

@@ -40,7 +40,7 @@ impl Folder {
         let point = |ring: usize, step: usize| {
             let (up, turn) = (ring as f64 / rings as f64, step as f64 / around as f64);
             let (theta, phi) = (up * std::f64::consts::PI, turn * std::f64::consts::TAU);
-            [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
+            [libm::sin(theta) * libm::cos(phi), libm::sin(theta) * libm::sin(phi), libm::cos(theta)]
         };
         let mut obj = String::from("# a ball\ng ball\nv 0 0 10\n");
         let mut markers = String::from("x,y,z\n");
@@ -317,7 +317,7 @@ fn a_sphere_becomes_a_liver_on_new_tets() {
     }
     folder.write("markers.csv", &markers);
     let center = liver.points.iter().sum::<moulage::math::Vec3>() / liver.points.len() as f64;
-    let radius = (liver.volume() * 0.75 / std::f64::consts::PI).cbrt();
+    let radius = libm::cbrt(liver.volume() * 0.75 / std::f64::consts::PI);
     let mut sphere = String::new();
     for line in folder.read("ball.obj").lines() {
         let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();

@@ -56,7 +56,7 @@ fn ellipsoid(radii: Vec3, squares: f64) -> TriMesh {
     let mut surface = cuboid(Vec3::repeat(2.0), 2.0 / squares);
     for p in &mut surface.points {
         // Evens out the squares near the cube's edges.
-        *p = p.map(|c| (c * PI / 4.0).tan()).normalize().component_mul(&radii);
+        *p = p.map(|c| libm::tan(c * PI / 4.0)).normalize().component_mul(&radii);
     }
     surface
 }
@@ -141,10 +141,10 @@ fn effort(result: &Reshaped) -> String {
 /// A beam of 40 x 10 x 10 bent to a quarter circle, its middle widened `stretch` times.
 fn bent(p: &Vec3, stretch: f64) -> Vec3 {
     let (radius, along) = (40.0 / FRAC_PI_2, p.x / 40.0);
-    let wide = 1.0 + (stretch - 1.0) * (PI * along).cos().powi(2);
+    let wide = 1.0 + (stretch - 1.0) * libm::cos(PI * along).powi(2);
     let angle = FRAC_PI_2 * along;
     let from_center = radius + p.z;
-    Vec3::new(from_center * angle.sin(), wide * p.y, from_center * angle.cos() - radius)
+    Vec3::new(from_center * libm::sin(angle), wide * p.y, from_center * libm::cos(angle) - radius)
 }
 
 /// [W] Figure 4: held at both ends, everything else from markers without correspondence. Nothing in them
@@ -247,7 +247,7 @@ fn pulled_statically(problem: &Problem, top: usize, target: &Vec3) -> Vec<Vec3> 
 
 /// A smooth logarithmic strain whose stretches run from 0.4 to 2.2.
 fn wild_strain(p: &Vec3) -> Sym3 {
-    let wave = |k: f64, phase: f64| (0.03 * k * (p.x + 0.7 * p.y - 0.4 * p.z) + phase).sin();
+    let wave = |k: f64, phase: f64| libm::sin(0.03 * k * (p.x + 0.7 * p.y - 0.4 * p.z) + phase);
     Sym3::new(
         0.8 * wave(1.0, 0.3),
         0.36 * wave(1.4, 1.1),
@@ -326,11 +326,12 @@ fn strain_errors(problem: &Problem, result: &Reshaped, strain: &[Sym3]) -> (f64,
 fn liver_like(p: &Vec3) -> Vec3 {
     let along = p.x / 100.0;
     let taper = 1.0 - 0.35 * along;
-    let lobe = 1.0 + 0.4 * (-((p.x + 45.0).powi(2) + (p.y - 20.0).powi(2)) / 900.0).exp();
-    let groove = 6.0 * (-(p.x - 15.0).powi(2) / 800.0).exp() * (p.z / 30.0).max(0.0);
+    let lobe = 1.0 + 0.4 * libm::exp(-((p.x + 45.0).powi(2) + (p.y - 20.0).powi(2)) / 900.0);
+    let groove = 6.0 * libm::exp(-(p.x - 15.0).powi(2) / 800.0) * (p.z / 30.0).max(0.0);
     let q = Vec3::new(p.x, taper * p.y * lobe, taper * p.z * lobe - groove);
     let angle = 0.6 * along;
-    let bend = Vec3::new((160.0 + q.z) * angle.sin(), q.y, (160.0 + q.z) * angle.cos() - 160.0);
+    let bend =
+        Vec3::new((160.0 + q.z) * libm::sin(angle), q.y, (160.0 + q.z) * libm::cos(angle) - 160.0);
     Rotation3::new(Vector3::new(0.1, 0.3, 0.15)) * bend + Vec3::new(12.0, -10.0, 12.0)
 }
 

@@ -178,7 +178,7 @@ const TIGHT: EquilibriumOptions = EquilibriumOptions { tolerance: 1e-10, max_ste
 
 /// The smoothness of the reference: weight 1 times the length scale for the nodal form.
 fn smoothness(body: &Body<StableNeoHookean>, space: &StrainSpace) -> StrainSmoothness {
-    let weight = if space.carrier == Carrier::Tets { 1.0 } else { body.rest_volume().cbrt() };
+    let weight = if space.carrier == Carrier::Tets { 1.0 } else { libm::cbrt(body.rest_volume()) };
     StrainSmoothness::new(body, space, weight, None, &vec![1.0; body.rest.len()]).unwrap()
 }
 

@@ -102,7 +102,7 @@ fn clusters_of_a_hand_need_a_fraction_of_the_additions() {
     let hand = read_skeleton(&hand).unwrap().skeleton;
     let sums = FastSums::new(&hand.points, &hand.triangles, 8.0).unwrap();
     assert!(sums.saving() >= 0.85, "{}", sums.saving());
-    let field: Vec<[f64; 1]> = hand.points.iter().map(|p| [p.x * p.y.sin()]).collect();
+    let field: Vec<[f64; 1]> = hand.points.iter().map(|p| [p.x * libm::sin(p.y)]).collect();
     let fast = sums.sum(&field);
     for i in (0..hand.points.len()).step_by(97) {
         let near = hand.points.iter().map(|q| (q - hand.points[i]).norm() <= 8.0);

@@ -23,7 +23,11 @@ fn ball_of(rows: u32, columns: u32) -> TriMesh {
         for j in 0..columns {
             let theta = std::f64::consts::PI * f64::from(i) / f64::from(rows);
             let phi = std::f64::consts::TAU * f64::from(j) / f64::from(columns);
-            points.push(Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()));
+            points.push(Vec3::new(
+                libm::sin(theta) * libm::cos(phi),
+                libm::sin(theta) * libm::sin(phi),
+                libm::cos(theta),
+            ));
         }
     }
     let id = |i: u32, j: u32| 2 + (i - 1) * columns + j % columns;
@@ -186,7 +190,7 @@ fn dense_markers(count: u32) -> impl Iterator<Item = Marker> {
             ((2.0 * f64::from(k) + 1.0) / f64::from(count), 2.399_963 * f64::from(k));
         let z = 1.0 - share;
         let r = (1.0 - z * z).sqrt();
-        let p = Vec3::new(r * turn.cos(), r * turn.sin(), z);
+        let p = Vec3::new(r * libm::cos(turn), r * libm::sin(turn), z);
         Marker::at(truth(&p))
     })
 }
@@ -333,7 +337,7 @@ fn a_sphere_becomes_a_liver_on_new_tets() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/liver/template.obj");
     let liver = moulage::io::read_surface(&example).unwrap().mesh().unwrap();
     let center = liver.points.iter().sum::<Vec3>() / liver.points.len() as f64;
-    let radius = (liver.volume() * 0.75 / std::f64::consts::PI).cbrt();
+    let radius = libm::cbrt(liver.volume() * 0.75 / std::f64::consts::PI);
     let mut sphere = ball_of(18, 36);
     for p in &mut sphere.points {
         *p = center + *p * radius;
@@ -342,7 +346,9 @@ fn a_sphere_becomes_a_liver_on_new_tets() {
         tetrahedralize::Options { method: Method::Lattice, tet_count: 2000, ..Default::default() };
     let filled = tetrahedralize(&sphere, &how, &Run::new()).unwrap();
     let mut problem = Problem::new(sphere, filled);
-    problem.markers = liver.points.iter().step_by(10).map(|p| Marker::at(*p)).collect();
+    // Twice as long: far enough to flatten the first tets whatever the last bits are.
+    let long = |p: &Vec3| center + (p - center).component_mul(&Vec3::new(2.0, 1.0, 1.0));
+    problem.markers = liver.points.iter().step_by(10).map(|p| Marker::at(long(p))).collect();
     let with = |max_remeshes| {
         let options = Options { max_remeshes, ..Options::default() };
         reshape(&problem, &options, &Run::new()).unwrap()

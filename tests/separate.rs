@@ -56,8 +56,8 @@ fn sphere(centre: Vec3) -> TriMesh {
         let polar = std::f64::consts::PI * f64::from(r) / f64::from(rings);
         for s in 0..sides {
             let turn = std::f64::consts::TAU * f64::from(s) / f64::from(sides);
-            let side = Vec3::new(turn.cos(), turn.sin(), 0.0) * polar.sin();
-            points.push(centre + side + Vec3::z() * polar.cos());
+            let side = Vec3::new(libm::cos(turn), libm::sin(turn), 0.0) * libm::sin(polar);
+            points.push(centre + side + Vec3::z() * libm::cos(polar));
         }
     }
     let south = points.len() as u32;

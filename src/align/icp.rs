@@ -270,7 +270,7 @@ mod tests {
     fn bean() -> TriMesh {
         let (points, triangles) = sphere(20, 30);
         let bump = |p: &Vec3| {
-            let near = (-4.0 * (p - Vec3::new(0.6, 0.6, 0.5)).norm_squared()).exp();
+            let near = libm::exp(-4.0 * (p - Vec3::new(0.6, 0.6, 0.5)).norm_squared());
             Vec3::new(3.0 * p.x, 2.0 * p.y, p.z) + p * near
         };
         TriMesh::new(points.iter().map(bump).collect(), triangles).unwrap()

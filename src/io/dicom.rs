@@ -311,7 +311,7 @@ fn stack(mut slices: Vec<Slice>, folder: &Path, notes: &mut Vec<String>) -> Resu
     if lean > TILT {
         notes.push(format!(
             "the slices are shifted against each other (tilted gantry, {:.1} degrees); this is taken into account",
-            lean.asin().to_degrees()
+            libm::asin(lean).to_degrees()
         ));
     }
     let to_ras = Vec3::new(-1.0, -1.0, 1.0);

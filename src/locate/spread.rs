@@ -82,7 +82,8 @@ mod tests {
         let grid = |i: u32| Vec3::new(f64::from(i % 9), f64::from(i / 9 % 5), f64::from(i / 45));
         let exact: Vec<Vec3> = (0..135).map(grid).collect();
         let rounded = |(i, p): (usize, &Vec3)| {
-            p + Vec3::new((i as f64).sin(), (i as f64).cos(), (3.0 * i as f64).sin()) * 1e-7
+            p + Vec3::new(libm::sin(i as f64), libm::cos(i as f64), libm::sin(3.0 * i as f64))
+                * 1e-7
         };
         let rounded: Vec<Vec3> = exact.iter().enumerate().map(rounded).collect();
         assert_eq!(spread_evenly(&rounded, 68), spread_evenly(&exact, 68));

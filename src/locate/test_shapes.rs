@@ -31,7 +31,11 @@ pub(crate) fn sphere(rings: u32, sides: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let polar = std::f64::consts::PI * f64::from(r) / f64::from(rings);
         for s in 0..sides {
             let turn = 2.0 * std::f64::consts::PI * f64::from(s) / f64::from(sides);
-            points.push(Vec3::new(polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos()));
+            points.push(Vec3::new(
+                libm::sin(polar) * libm::cos(turn),
+                libm::sin(polar) * libm::sin(turn),
+                libm::cos(polar),
+            ));
         }
     }
     let south = points.len() as u32;

@@ -137,7 +137,7 @@ fn solid_angle(corners: [Vec3; 3], p: &Vec3) -> f64 {
     let [a, b, c] = corners.map(|x| x - p);
     let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
     let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
-    2.0 * a.dot(&b.cross(&c)).atan2(below)
+    2.0 * libm::atan2(a.dot(&b.cross(&c)), below)
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ impl<M: IsotropicDensity> IsotropicDensity for InversionBarrier<M> {
             density.value = f64::INFINITY;
         } else if j < self.start {
             let y = j / self.start;
-            let (gap, log) = (1.0 - y, y.ln());
+            let (gap, log) = (1.0 - y, libm::log(y));
             density.value -= self.strength * gap * gap * log;
             density.d_j += self.strength / self.start * (2.0 * gap * log - gap * gap / y);
             density.d_jj += self.strength / (self.start * self.start)

@@ -19,7 +19,7 @@ impl StableNeoHookean {
         let mu = 4.0 / 3.0 * mu_lame;
         let lambda = lambda_lame + 5.0 / 6.0 * mu_lame;
         let alpha = 1.0 + 3.0 * mu / (4.0 * lambda);
-        let psi0 = 0.5 * lambda * (1.0 - alpha).powi(2) - 0.5 * mu * 4.0_f64.ln();
+        let psi0 = 0.5 * lambda * (1.0 - alpha).powi(2) - 0.5 * mu * libm::log(4.0_f64);
         Self { mu, lambda, alpha, psi0 }
     }
 }
@@ -30,7 +30,7 @@ impl IsotropicDensity for StableNeoHookean {
         let excess = j - alpha;
         Density {
             value: 0.5 * mu * (i - 3.0) + 0.5 * lambda * excess * excess
-                - 0.5 * mu * (i + 1.0).ln()
+                - 0.5 * mu * libm::log(i + 1.0)
                 - psi0,
             d_i: 0.5 * mu * (1.0 - 1.0 / (i + 1.0)),
             d_j: lambda * excess,

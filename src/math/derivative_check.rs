@@ -11,5 +11,5 @@ pub fn order_of_convergence<R: Dim, C: Dim, S: RawStorage<f64, R, C> + Storage<f
     if coarse < 1e-12 {
         return f64::INFINITY;
     }
-    (coarse / fine).log2()
+    libm::log2(coarse / fine)
 }

@@ -46,11 +46,11 @@ pub fn eigen(m: &Mat3) -> (Vec3, Mat3) {
 /// exp(S), and with it its derivatives with respect to the six numbers of S.
 pub fn exp_with_derivatives(s: &Sym3) -> (Mat3, [Mat3; 6]) {
     let (lambda, q) = eigen(&to_matrix(s));
-    let e = lambda.map(f64::exp);
+    let e = lambda.map(libm::exp);
     // Daleckii-Krein: divided differences of exp in the eigenbasis.
     let gamma = Mat3::from_fn(|i, j| {
         let half_difference = 0.5 * (lambda[i] - lambda[j]);
-        (0.5 * (lambda[i] + lambda[j])).exp() * sinh_over(half_difference)
+        libm::exp(0.5 * (lambda[i] + lambda[j])) * sinh_over(half_difference)
     });
     let value = q * Mat3::from_diagonal(&e) * q.transpose();
     let derivatives = std::array::from_fn(|p| {
@@ -63,18 +63,18 @@ pub fn exp_with_derivatives(s: &Sym3) -> (Mat3, [Mat3; 6]) {
 /// exp(S).
 pub fn exp(s: &Sym3) -> Mat3 {
     let (lambda, q) = eigen(&to_matrix(s));
-    q * Mat3::from_diagonal(&lambda.map(f64::exp)) * q.transpose()
+    q * Mat3::from_diagonal(&lambda.map(libm::exp)) * q.transpose()
 }
 
 /// log of a symmetric positive definite matrix.
 pub fn log(m: &Mat3) -> Sym3 {
     let (lambda, q) = eigen(m);
-    from_matrix(&(q * Mat3::from_diagonal(&lambda.map(f64::ln)) * q.transpose()))
+    from_matrix(&(q * Mat3::from_diagonal(&lambda.map(libm::log)) * q.transpose()))
 }
 
 /// sinh(x)/x, exact at 0.
 fn sinh_over(x: f64) -> f64 {
-    if x.abs() < 1e-4 { 1.0 + x * x / 6.0 } else { x.sinh() / x }
+    if x.abs() < 1e-4 { 1.0 + x * x / 6.0 } else { libm::sinh(x) / x }
 }
 
 #[cfg(test)]

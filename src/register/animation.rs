@@ -72,7 +72,7 @@ fn angle_on_path(path: &JointPath, own: &Coordinate, rotation: &UnitQuaternion<f
 
 /// The turn about an axis that is in a rotation, within half a turn.
 fn twist(rotation: &UnitQuaternion<f64>, axis: &Vec3) -> f64 {
-    let turn = 2.0 * rotation.imag().dot(axis).atan2(rotation.w);
+    let turn = 2.0 * libm::atan2(rotation.imag().dot(axis), rotation.w);
     turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round()
 }
 

@@ -134,7 +134,7 @@ mod tests {
         let turn = |p: &Vec3| crate::register::pose::moved(&motion, p);
         let moved: Vec<Vec3> = points.iter().map(turn).collect();
         let bent: Vec<Vec3> =
-            points.iter().map(|p| p + Vec3::new(0.0, (p.x * 0.7).sin(), 0.1 * p.y)).collect();
+            points.iter().map(|p| p + Vec3::new(0.0, libm::sin(p.x * 0.7), 0.1 * p.y)).collect();
         let bent_moved: Vec<Vec3> = bent.iter().map(turn).collect();
         for level in levels() {
             let found = level.apply(&points, &moved, &masses);
@@ -171,7 +171,8 @@ mod tests {
     #[test]
     fn the_result_has_the_same_bits_at_any_thread_count() {
         let (points, _, masses, _) = shape();
-        let wanted: Vec<Vec3> = points.iter().map(|p| p + Vec3::new(0.0, p.x.sin(), 0.0)).collect();
+        let wanted: Vec<Vec3> =
+            points.iter().map(|p| p + Vec3::new(0.0, libm::sin(p.x), 0.0)).collect();
         for level in levels() {
             let run = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -237,7 +237,8 @@ mod tests {
         let mut mesh = block(Vec3::new(0.0, 5.0, 0.0), Vec3::new(3.0, 1.0, 1.0), 14);
         mesh.append(&block(Vec3::new(3.5, 6.5, 0.0), Vec3::new(1.0, 0.3, 1.0), 9));
         let sums = FastSums::new(&mesh.points, &mesh.triangles, 1.2).unwrap();
-        let field: Vec<[f64; 2]> = mesh.points.iter().map(|p| [1.0, p.x * p.y.sin()]).collect();
+        let field: Vec<[f64; 2]> =
+            mesh.points.iter().map(|p| [1.0, p.x * libm::sin(p.y)]).collect();
         let fast = sums.sum(&field);
         for (i, p) in mesh.points.iter().enumerate() {
             let mut direct = [0.0; 2];

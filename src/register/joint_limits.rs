@@ -181,9 +181,9 @@ mod tests {
                     let (polar, azimuth) =
                         (f64::from(i) * 0.5 / 400.0 * TAU, f64::from(j) / 800.0 * TAU);
                     let u = Vec3::new(
-                        polar.cos(),
-                        polar.sin() * azimuth.cos(),
-                        polar.sin() * azimuth.sin(),
+                        libm::cos(polar),
+                        libm::sin(polar) * libm::cos(azimuth),
+                        libm::sin(polar) * libm::sin(azimuth),
                     );
                     best = best.min((limits.half_axes(&u).component_mul(&u) - r).norm());
                 }

@@ -80,7 +80,7 @@ fn part_of_screw(motion: &Isometry3<f64>, share: f64) -> Isometry3<f64> {
     let along = axis * axis.dot(&way);
     let across = way - along;
     // A point of the axis: across = (1 - R) point.
-    let point: Vec3 = (across + axis.cross(&across) / (angle / 2.0).tan()) / 2.0;
+    let point: Vec3 = (across + axis.cross(&across) / libm::tan(angle / 2.0)) / 2.0;
     Isometry3::from_parts(Translation3::from(share * along + point - rotation * point), rotation)
 }
 
@@ -120,8 +120,9 @@ mod tests {
 
     #[test]
     fn many_places_come_near_a_curve_as_their_steps_squared() {
-        let curve =
-            |a: f64| Isometry3::new(Vec3::new(a.sin(), a * a, 0.3), Vec3::new(0.2 * a * a, 0.0, a));
+        let curve = |a: f64| {
+            Isometry3::new(Vec3::new(libm::sin(a), a * a, 0.3), Vec3::new(0.2 * a * a, 0.0, a))
+        };
         let error = |steps: u32| {
             let stations = (0..=steps).map(|k| f64::from(k) * 2.0 / f64::from(steps));
             let path = JointPath::new("a".into(), stations.map(|a| (a, curve(a))).collect());

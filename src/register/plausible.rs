@@ -29,7 +29,7 @@ impl Registration {
             return Ok(());
         }
         let factor = ratio.max(1.0 / ratio);
-        let off = |unit: &&(f64, &str, &str)| (unit.0 / factor).ln().abs();
+        let off = |unit: &&(f64, &str, &str)| libm::log(unit.0 / factor).abs();
         let guess = UNITS.iter().min_by(|p, q| off(p).total_cmp(&off(q)));
         let guess = guess.filter(|unit| off(unit) < 0.4).map_or_else(String::new, |unit| {
             let (target, template) = if ratio < 1.0 { (unit.2, unit.1) } else { (unit.1, unit.2) };

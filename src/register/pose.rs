@@ -275,7 +275,7 @@ mod tests {
         };
         let centre = |k: f64| {
             let angle = k / 5.0 * std::f64::consts::TAU;
-            Vec3::new(angle.cos(), angle.sin(), 0.0) * 10.0
+            Vec3::new(libm::cos(angle), libm::sin(angle), 0.0) * 10.0
         };
         let mut surfaces: Vec<_> = (0..5)
             .map(|k| (format!("b{k}"), block(centre(f64::from(k)), Vec3::new(4.0, 2.0, 1.0), 3)))

@@ -143,7 +143,7 @@ fn left_jacobian_inverse(r: &Vec3) -> Mat3 {
     let second = if angle < 1e-4 {
         1.0 / 12.0
     } else {
-        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+        (1.0 - 0.5 * angle / libm::tan(0.5 * angle)) / (angle * angle)
     };
     Mat3::identity() - 0.5 * cross + second * cross * cross
 }

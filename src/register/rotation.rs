@@ -34,7 +34,7 @@ pub fn rotation_vector(q: &UnitQuaternion<f64>) -> Vec3 {
         // q and -q are one rotation; near the identity the vector is twice the imaginary part.
         return 2.0 * imaginary * q.w.signum();
     }
-    let angle = 2.0 * sine.atan2(q.w.abs());
+    let angle = 2.0 * libm::atan2(sine, q.w.abs());
     imaginary * (angle / sine) * if q.w < 0.0 { -1.0 } else { 1.0 }
 }
 

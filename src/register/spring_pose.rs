@@ -118,7 +118,7 @@ impl<'a> SpringPose<'a> {
     fn energy(&self, pose: &Posed) -> f64 {
         let of = |s: &Springs| s.elongation.component_mul(&s.elongation).dot(&s.weights) / 2.0;
         let springs: f64 = self.springs(pose).iter().map(of).sum();
-        springs + (pose.size.ln() / SIZE).powi(2) / 2.0
+        springs + (libm::log(pose.size) / SIZE).powi(2) / 2.0
     }
 
     fn derivatives(&self, pattern: &BlockPattern, pose: &Posed) -> Derivatives {
@@ -126,7 +126,7 @@ impl<'a> SpringPose<'a> {
         let mut values = vec![0.0; pattern.row_idx.len()];
         let mut by_size = vec![0.0; pattern.size()];
         let mut by_size_twice = SIZE.powi(-2);
-        gradient[pattern.size()] = pose.size.ln() / SIZE.powi(2);
+        gradient[pattern.size()] = libm::log(pose.size) / SIZE.powi(2);
         let hold = [HOLD[0] * self.diagonal, HOLD[1]].map(|far| far.powi(-2));
         for b in 0..self.centres.len() as u32 {
             for k in 0..6 {

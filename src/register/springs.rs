@@ -45,7 +45,7 @@ impl Posed {
         let motions = bones.map(|((motion, centre), step)| {
             twisted(motion, centre, &(Twist::from_column_slice(step) * share))
         });
-        let size = self.size * (size[0] * share).exp();
+        let size = self.size * libm::exp(size[0] * share);
         Self { motions: motions.collect(), size, centres: self.centres.clone() }
     }
 }

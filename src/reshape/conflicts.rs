@@ -149,8 +149,10 @@ mod tests {
             [[0.0, 0.0, 0.0], [9.0, 1.0, 0.0], [2.0, 7.0, 1.0], [3.0, 2.0, 8.0], [6.0, 5.0, 4.0]];
         let pair = |(i, p): (usize, [f64; 3])| {
             let position = Vec3::from(p);
-            let target =
-                change(i, position * 1.1 + Vec3::new(0.2 * p[1].sin(), 3.0, 0.3 * p[0].cos()));
+            let target = change(
+                i,
+                position * 1.1 + Vec3::new(0.2 * libm::sin(p[1]), 3.0, 0.3 * libm::cos(p[0])),
+            );
             Pair {
                 label: format!("l{i}"),
                 position,

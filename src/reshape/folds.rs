@@ -117,7 +117,7 @@ fn normals([a, b, left, right]: &[Vec3; 4]) -> (Vec3, Vec3) {
 fn turn(corners: &[Vec3; 4]) -> f64 {
     let edge = corners[1] - corners[0];
     let (left, right) = normals(corners);
-    left.cross(&right).dot(&edge).atan2(left.dot(&right) * edge.norm())
+    libm::atan2(left.cross(&right).dot(&edge), left.dot(&right) * edge.norm())
 }
 
 /// The derivative of [`turn`] by the four corners: each opposite corner turns its triangle by its
@@ -143,7 +143,7 @@ mod tests {
             Vec3::zeros(),
             Vec3::new(0.0, 2.0, 0.0),
             Vec3::new(-1.0, 0.7, 0.0),
-            Vec3::new(1.5 * angle.cos(), 0.4, 1.5 * angle.sin()),
+            Vec3::new(1.5 * libm::cos(angle), 0.4, 1.5 * libm::sin(angle)),
         ]
     }
 
@@ -153,12 +153,12 @@ mod tests {
             let corners = turned(angle);
             assert!((turn(&corners).abs() - angle.abs()).abs() < 1e-12);
             let direction: [Vec3; 4] = std::array::from_fn(|k| {
-                Vec3::new(0.3, -0.2, 0.5).map(|c| (c * (3 * k + 1) as f64).sin())
+                Vec3::new(0.3, -0.2, 0.5).map(|c| libm::sin(c * (3 * k + 1) as f64))
             });
             let moved = |h: f64| turn(&std::array::from_fn(|k| corners[k] + direction[k] * h));
             let slope: f64 = gradient(&corners).iter().zip(&direction).map(|(g, d)| g.dot(d)).sum();
             let error = |h: f64| ((moved(h) - moved(-h)) / (2.0 * h) - slope).abs();
-            let order = (error(2e-3) / error(1e-3)).log2();
+            let order = libm::log2(error(2e-3) / error(1e-3));
             assert!((1.9..2.1).contains(&order), "{angle}: {order}");
         }
     }

@@ -88,7 +88,7 @@ mod tests {
     fn groups_share_all_markers_evenly_and_only_when_there_are_many() {
         let on_spiral = |i: u32| {
             let t = f64::from(i) * 0.01;
-            Vec3::new(t.cos(), t.sin(), 0.03 * t)
+            Vec3::new(libm::cos(t), libm::sin(t), 0.03 * t)
         };
         let markers: Vec<Vec3> = (0..5000).map(on_spiral).collect();
         assert!(marker_groups(&markers[..900]).is_none());

@@ -219,7 +219,7 @@ fn other_unit(surface: &TriMesh, markers: &[Vec3]) -> Option<(f64, Option<&'stat
         return None;
     }
     let ratio = (own / theirs).max(theirs / own);
-    let off = |unit: f64| (unit / ratio).ln().abs();
+    let off = |unit: f64| libm::log(unit / ratio).abs();
     let (unit, name) = UNITS.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)))?;
     (ratio >= UNIT_RATIO).then(|| (ratio, (0.6..1.7).contains(&(unit / ratio)).then_some(name)))
 }

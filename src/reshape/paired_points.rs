@@ -68,7 +68,7 @@ impl Term for PairedPoints {
             (self.sigma, f64::INFINITY)
         };
         // A noise that is found larger has its price: -log of the normal density's height.
-        let price = 3.0 * (sigma / self.sigma).ln();
+        let price = 3.0 * libm::log(sigma / self.sigma);
         let (mut weights, mut sum) = (Vec::new(), 0.0);
         for ((pair, gain), r) in self.list.iter().zip(&self.gains).zip(distances) {
             let (cost, share) = geman_mcclure(r, limit);

@@ -68,7 +68,7 @@ impl Units {
         let volume: f64 = problem.inside_fraction.iter().enumerate().map(volume).sum();
         let points = &problem.surface.points;
         let center = points.iter().sum::<Vec3>() / points.len() as f64;
-        Self { length: volume.cbrt(), center }
+        Self { length: libm::cbrt(volume), center }
     }
 
     fn inward(&self, p: &Vec3) -> Vec3 {

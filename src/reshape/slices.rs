@@ -136,7 +136,7 @@ mod tests {
     fn arc(x: f64, from: i32, to: i32) -> Vec<Vec3> {
         let at = |degrees: i32| {
             let angle = f64::from(degrees).to_radians();
-            Vec3::new(x + 10.0 * angle.cos(), 10.0 * angle.sin(), 0.0)
+            Vec3::new(x + 10.0 * libm::cos(angle), 10.0 * libm::sin(angle), 0.0)
         };
         (from..to).step_by(20).map(at).collect()
     }

@@ -52,7 +52,7 @@ impl Shared {
         let sum: Vec3 = self
             .sources
             .iter()
-            .map(|(s, area)| area * (falloff * (nearest - (s - p).norm_squared())).exp())
+            .map(|(s, area)| area * libm::exp(falloff * (nearest - (s - p).norm_squared())))
             .sum();
         sum.try_normalize(0.0).unwrap_or_default()
     }

@@ -46,7 +46,7 @@ pub fn marker_springs(
 /// distance within which a displacement fades.
 pub fn pull(body: &Body) -> Vec<f64> {
     let mut pull = vec![0.0; body.tets.points.len()];
-    let fading = FADING * body.tets.total_volume().cbrt();
+    let fading = FADING * libm::cbrt(body.tets.total_volume());
     for (t, tet) in body.tets.tets.iter().enumerate() {
         for &v in tet {
             pull[v as usize] += body.tets.volume(t) / 4.0 / (fading * fading);

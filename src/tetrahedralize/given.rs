@@ -39,5 +39,5 @@ pub fn given_tets(mesh: TetMesh, surface: &TriMesh, made_by: String) -> Result<T
 fn mean_edge(mesh: &TetMesh) -> f64 {
     let volume = mesh.total_volume() / mesh.tets.len().max(1) as f64;
     // A regular tet of edge a has the volume a^3 / (6 sqrt 2).
-    (volume * 72_f64.sqrt()).cbrt().max(f64::MIN_POSITIVE)
+    libm::cbrt(volume * 72_f64.sqrt()).max(f64::MIN_POSITIVE)
 }

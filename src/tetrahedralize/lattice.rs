@@ -56,7 +56,7 @@ fn select_about(
     let smallest = surface.diagonal() / wish;
     let mut edge = first_guess(surface, wish).max(smallest);
     let mut best: Option<Selection> = None;
-    let miss = |s: &Selection| (s.tets.len() as f64 / wish).ln().abs();
+    let miss = |s: &Selection| libm::log(s.tets.len() as f64 / wish).abs();
     for _ in 0..MAX_SIZES {
         let selection = select(surface, winding, check, Grid::around(surface, edge), run)?;
         let ratio = selection.tets.len() as f64 / wish;
@@ -67,7 +67,7 @@ fn select_about(
             break;
         }
         // Between a volume (3) and a surface (2); large jumps are not trusted.
-        edge = (edge * ratio.powf(1.0 / 2.7).clamp(0.3, 3.0)).max(smallest);
+        edge = (edge * libm::pow(ratio, 1.0 / 2.7).clamp(0.3, 3.0)).max(smallest);
     }
     best.ok_or_else(|| Error::invalid("no lattice fits around the surface"))
 }

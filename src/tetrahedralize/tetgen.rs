@@ -83,7 +83,7 @@ fn result(
 /// Tets in a closed surface, whose vertices come first and stay where they are.
 fn fill(path: &Path, surface: &TriMesh, tet_count: usize, run: &Run) -> Result<TetMesh> {
     // A power of two changes no digit.
-    let scale = (WORKING_SIZE / surface.diagonal()).log2().round().exp2();
+    let scale = libm::exp2(libm::log2(WORKING_SIZE / surface.diagonal()).round());
     let scaled = TriMesh {
         points: surface.points.iter().map(|p| p * scale).collect(),
         triangles: surface.triangles.clone(),
@@ -109,7 +109,7 @@ fn fill(path: &Path, surface: &TriMesh, tet_count: usize, run: &Run) -> Result<T
 /// Runs TetGen with smaller and smaller tets until there are about as many as wished.
 fn with_count(program: &Program, volume: f64, tet_count: usize, run: &Run) -> Result<Tets> {
     let wish = tet_count as f64;
-    let miss = |tets: &Tets| (tets.1.len() as f64 / wish).ln().abs();
+    let miss = |tets: &Tets| libm::log(tets.1.len() as f64 / wish).abs();
     let mut best = program.fill(None, run)?;
     let fewest = best.1.len() as f64;
     if fewest > wish * (1.0 - COUNT_TOLERANCE) {
@@ -126,7 +126,7 @@ fn with_count(program: &Program, volume: f64, tet_count: usize, run: &Run) -> Re
         if (ratio - 1.0).abs() < COUNT_TOLERANCE {
             break;
         }
-        max_volume *= ratio.powf(1.3).clamp(0.2, 5.0);
+        max_volume *= libm::pow(ratio, 1.3).clamp(0.2, 5.0);
     }
     Ok(best)
 }

@@ -233,7 +233,7 @@ fn gaussian(line: &Polyline, sigma: f64) -> Polyline {
         let index = if line.closed { i.rem_euclid(count) } else { i.clamp(0, count - 1) };
         line.points[index as usize]
     };
-    let weight = |d: i64| (-((d * d) as f64) / (2.0 * sigma * sigma)).exp();
+    let weight = |d: i64| libm::exp(-((d * d) as f64) / (2.0 * sigma * sigma));
     let sum: f64 = (-reach..=reach).map(weight).sum();
     let mean =
         |i: i64| (-reach..=reach).fold(Vec3::zeros(), |m, d| m + at(i + d) * weight(d)) / sum;
@@ -278,8 +278,8 @@ impl Hand {
     /// Two numbers with mean 0 and standard deviation 1.
     fn normal_pair(&mut self) -> (f64, f64) {
         let (radius, angle) = (self.share(), self.share() * std::f64::consts::TAU);
-        let radius = (-2.0 * (1.0 - radius).ln()).sqrt();
-        (radius * angle.cos(), radius * angle.sin())
+        let radius = (-2.0 * libm::log(1.0 - radius)).sqrt();
+        (radius * libm::cos(angle), radius * libm::sin(angle))
     }
 }
 

@@ -208,7 +208,8 @@ mod tests {
 
     /// A bright shell at x = `edge` in a darker surrounding, 0.5 mm voxels.
     fn wall(edge: f64, gain: f64, offset: f64) -> Volume {
-        let value = |x: f64| 100.0 * (-((x - edge) / 1.5).powi(2)).exp() + 20.0 * (x - edge).tanh();
+        let value =
+            |x: f64| 100.0 * libm::exp(-((x - edge) / 1.5).powi(2)) + 20.0 * libm::tanh(x - edge);
         let values = (0..4 * 4 * 120)
             .map(|v| (value(f64::from(v % 120) * 0.5) * gain + offset) as f32)
             .collect();

@@ -119,7 +119,11 @@ pub fn ball(centre: Vec3, radius: f64, rings: u32) -> TriMesh {
         for j in 0..around {
             let polar = std::f64::consts::PI * f64::from(i) / f64::from(rings);
             let turn = std::f64::consts::TAU * f64::from(j) / f64::from(around);
-            let out = Vec3::new(polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos());
+            let out = Vec3::new(
+                libm::sin(polar) * libm::cos(turn),
+                libm::sin(polar) * libm::sin(turn),
+                libm::cos(polar),
+            );
             mesh.points.push(centre + radius * out);
         }
     }

@@ -95,7 +95,7 @@ pub fn person(template: &Skeleton, seed: u64, alike: f64, bumps: f64) -> Skeleto
             .collect();
         let normals = template.bone_surface(b, &template.points).vertex_normals();
         for ((i, p), normal) in bone.vertices.clone().zip(points).zip(normals) {
-            let bump: f64 = waves.iter().map(|(k, phase)| (k.dot(p) + phase).sin()).sum();
+            let bump: f64 = waves.iter().map(|(k, phase)| libm::sin(k.dot(p) + phase)).sum();
             let bump = bumps * (2.0_f64 / 3.0).sqrt() * bump;
             other.points[i] = place(&pivots, b, p) + bump * normal;
         }
@@ -167,7 +167,7 @@ pub fn fused_scan(skeleton: &Skeleton, seed: u64) -> TriMesh {
             let p = origin + Vec3::from(index.map(|x| x as f64)).component_mul(&spacing);
             let distance = search.closest(&p).unwrap().distance;
             let distance = if inside[i] { -distance } else { distance };
-            let wave: f64 = waves.iter().map(|(k, phase)| (k.dot(&p) + phase).sin()).sum();
+            let wave: f64 = waves.iter().map(|(k, phase)| libm::sin(k.dot(&p) + phase)).sum();
             // Eight waves have a root mean square of 2.
             f32::from(u8::from(distance < DILATION + NOISE[0] * wave / 2.0))
         })

@@ -57,16 +57,18 @@ pub fn image(bones: &Skeleton, spacing: [f64; 3], looks: &Looks, seed: u64, gain
         let p = low + Vec3::from_fn(|k, _| index[k] as f64 * spacing[k]);
         let distance = closest.closest(&p).unwrap().distance;
         let depth = if distance < FAR && winding.is_inside(&p) { -distance } else { distance };
-        let wave = |k: f64| (p.x / k).sin() * (p.y / k + 1.0).sin() * (p.z / k + 2.0).sin();
+        let wave =
+            |k: f64| libm::sin(p.x / k) * libm::sin(p.y / k + 1.0) * libm::sin(p.z / k + 2.0);
         let tissue = looks.tissue + looks.texture * (70.0 * wave(1.7) + 50.0 * wave(4.1));
         let marrow = looks.marrow + looks.texture * 40.0 * wave(2.3);
         // From inside: marrow, cortex, tissue, and air beyond the skin.
         let mut seen = marrow + (looks.cortex - marrow) * step(depth + looks.cortex_depth);
         seen += (tissue - seen) * step(depth);
         seen += (looks.air - seen) * step(depth - SKIN);
-        let coil = 1.0 + looks.coil * ((p.x + p.z) / 40.0).sin();
+        let coil = 1.0 + looks.coil * libm::sin((p.x + p.z) / 40.0);
         let pair = (hashed(2 * v as u64 + seed), hashed(2 * v as u64 + 1 + seed));
-        let gauss = (-2.0 * (1.0 - pair.0).ln()).sqrt() * (std::f64::consts::TAU * pair.1).cos();
+        let gauss =
+            (-2.0 * libm::log(1.0 - pair.0)).sqrt() * libm::cos(std::f64::consts::TAU * pair.1);
         ((seen * coil + looks.noise * gauss) * gain) as f32
     };
     let values = (0..size.iter().product::<usize>()).into_par_iter().map(value).collect();

@@ -306,7 +306,7 @@ fn scaled_inertia(inertia: [f64; 6], mass: f64, scale: &Vec3) -> [f64; 6] {
     let moments = Vec3::new(yy + zz - xx, xx + zz - yy, xx + yy - zz) / 2.0;
     if moments.min() < 0.0 {
         // No real mass has it; then only its size is changed.
-        let size = scale.product().abs().powf(2.0 / 3.0);
+        let size = libm::pow(scale.product().abs(), 2.0 / 3.0);
         return inertia.map(|x| x * mass * size);
     }
     let [x, y, z] = (moments.component_mul(&scale.component_mul(scale)) * mass).into();
@@ -318,11 +318,11 @@ fn scaled_inertia(inertia: [f64; 6], mass: f64, scale: &Vec3) -> [f64; 6] {
 /// Rotations about x, the turned y and the turned z.
 fn orientation(frame: &Isometry3<f64>) -> String {
     let r: Matrix3<f64> = Rotation3::from(frame.rotation).into_inner();
-    let y = r.m13.clamp(-1.0, 1.0).asin();
+    let y = libm::asin(r.m13.clamp(-1.0, 1.0));
     let angles = if r.m13.abs() > 1.0 - 1e-14 {
-        Vec3::new(r.m32.atan2(r.m22), y, 0.0)
+        Vec3::new(libm::atan2(r.m32, r.m22), y, 0.0)
     } else {
-        Vec3::new((-r.m23).atan2(r.m33), y, (-r.m12).atan2(r.m11))
+        Vec3::new(libm::atan2(-r.m23, r.m33), y, libm::atan2(-r.m12, r.m11))
     };
     written(angles.as_slice())
 }

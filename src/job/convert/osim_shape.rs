@@ -70,7 +70,11 @@ mod tests {
             .map(|k| {
                 let z = 1.0 - (f64::from(k) + 0.5) / 1000.0;
                 let angle = f64::from(k) * 2.399_963;
-                Vec3::new((1.0 - z * z).sqrt() * angle.cos(), (1.0 - z * z).sqrt() * angle.sin(), z)
+                Vec3::new(
+                    (1.0 - z * z).sqrt() * libm::cos(angle),
+                    (1.0 - z * z).sqrt() * libm::sin(angle),
+                    z,
+                )
             })
             .collect();
         let scale = Vec3::new(1.0, 1.5, 1.0);

@@ -191,11 +191,11 @@ fn world_turns(document: &BvhDocument, frame: &[f64]) -> Vec<UnitQuaternion<f64>
 /// Angles about z, then the turned x, then the turned y.
 fn turns_zxy(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
     let r: Matrix3<f64> = Rotation3::from(*rotation).into_inner();
-    let x = r.m32.clamp(-1.0, 1.0).asin();
+    let x = libm::asin(r.m32.clamp(-1.0, 1.0));
     if r.m32.abs() > 1.0 - 1e-14 {
-        return [r.m21.atan2(r.m11), x, 0.0];
+        return [libm::atan2(r.m21, r.m11), x, 0.0];
     }
-    [(-r.m12).atan2(r.m22), x, (-r.m31).atan2(r.m33)]
+    [libm::atan2(-r.m12, r.m22), x, libm::atan2(-r.m31, r.m33)]
 }
 
 #[cfg(test)]
@@ -280,7 +280,7 @@ mod tests {
         let puppet = puppet();
         let names: Vec<String> =
             puppet.joints.iter().flat_map(|j| &j.coordinates).map(|c| c.name.clone()).collect();
-        let row = |k: i32| (0..6).map(|c| (f64::from(k * 6 + c) * 0.7).sin() * 0.8).collect();
+        let row = |k: i32| (0..6).map(|c| libm::sin(f64::from(k * 6 + c) * 0.7) * 0.8).collect();
         let frames: Vec<Vec<f64>> = (0..5).map(row).collect();
         let times = (0..5).map(|k| f64::from(k) * 0.04).collect();
         let motion = Motion { names: names.clone(), times, frames };

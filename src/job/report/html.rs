@@ -95,7 +95,7 @@ pub(crate) fn number(value: f64) -> String {
     match value.abs() {
         v if v == 0.0 || v >= 1.0 => format!("{value:.3}"),
         v if v >= 1e-4 => {
-            let decimals = (2.0 - v.log10().floor()) as usize;
+            let decimals = (2.0 - libm::log10(v).floor()) as usize;
             format!("{value:.decimals$}")
         }
         _ => format!("{value:.2e}"),

@@ -58,7 +58,7 @@ pub struct Estimate {
 impl Estimate {
     /// Five digits and a unit; the deviation to the same place.
     pub fn text(&self, unit: &str) -> String {
-        let digits = if self.value == 0.0 { 0.0 } else { self.value.abs().log10().floor() };
+        let digits = if self.value == 0.0 { 0.0 } else { libm::log10(self.value.abs()).floor() };
         let decimals = (4.0 - digits).clamp(0.0, 15.0) as usize;
         let sd = self.sd.map_or_else(String::new, |sd| format!(" (sd {sd:.decimals$})"));
         format!("{:.decimals$}{unit}{sd}", self.value)

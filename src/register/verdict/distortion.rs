@@ -59,7 +59,7 @@ fn distortion(template: &Skeleton, areas: &[f64], points: &[Vec3], b: usize) -> 
         }
     }
     Distortion {
-        size: affine.determinant().abs().cbrt(),
+        size: libm::cbrt(affine.determinant().abs()),
         bend: (residual / after.mass).sqrt() / radius,
         crumpled: turned / whole,
         radius,
@@ -87,7 +87,7 @@ mod tests {
         let bent = of(&|p| p + Vec3::new(0.0, 0.0, 0.1 * p.x * p.x));
         assert!(bent.bend > 0.1, "{bent:?}");
         // Every second strip of its long sides is turned over.
-        let to_and_fro = |x: f64| 2.5 * (std::f64::consts::PI * (x + 5.0) * 0.6).cos();
+        let to_and_fro = |x: f64| 2.5 * libm::cos(std::f64::consts::PI * (x + 5.0) * 0.6);
         let folded = of(&|p| Vec3::new(p.x + to_and_fro(p.x), p.y, p.z));
         assert!(folded.crumpled > 0.1, "{folded:?}");
     }

@@ -131,7 +131,7 @@ pub(super) fn shape_findings(
             format!("its joints hold it {held:.3} off its data; look at their centres and limits"),
         ),
     ];
-    let ratio = |other: &usize| (own.size / changes[*other].size).ln().abs();
+    let ratio = |other: &usize| libm::log(own.size / changes[*other].size).abs();
     let neighbours = template.joints.iter().filter_map(|j| j.neighbour(b));
     if let Some(other) = neighbours.max_by(|p, q| ratio(p).total_cmp(&ratio(q))) {
         let reason = format!(
