@@ -2,6 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
+/// How a path is printed.
+pub trait Shown {
+    /// As its system writes it: on Windows with one kind of separator, whatever its parts were joined with.
+    fn shown(&self) -> String;
+}
+
+impl Shown for Path {
+    #[expect(clippy::disallowed_methods, reason = "everybody else prints paths by this one")]
+    fn shown(&self) -> String {
+        let path = self.display().to_string();
+        if cfg!(windows) { path.replace('/', "\\") } else { path }
+    }
+}
+
 /// The crate's result type.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -10,7 +24,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {source}", path.shown())]
     Io {
         /// "read", "write", "create", ...
         action: &'static str,
@@ -20,7 +34,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file was read but its text is not what its format asks for.
-    #[error("{}{}: {message}", path.display(), line.map(|l| format!(", line {l}")).unwrap_or_default())]
+    #[error("{}{}: {message}", path.shown(), line.map(|l| format!(", line {l}")).unwrap_or_default())]
     Parse {
         /// The file.
         path: PathBuf,

@@ -8,29 +8,31 @@ use std::path::Path;
 use moulage::Result;
 use moulage::io;
 
-/// A reader with the result's content dropped.
-type Reader = Box<dyn Fn(&[u8]) -> Result<()>>;
+/// A reader; what it read, in words.
+type Reader = Box<dyn Fn(&[u8]) -> Result<String>>;
 
 /// A name, a reader, and a good file to start from.
 type Case = (&'static str, Reader, Vec<u8>);
 
-fn drop_content<T>(result: Result<T>) -> Result<()> {
-    result.map(|_| ())
+fn in_words<T: std::fmt::Debug>(result: Result<T>) -> Result<String> {
+    result.map(|content| format!("{content:?}"))
 }
 
 fn surface(name: &'static str) -> Reader {
-    Box::new(move |bytes| drop_content(io::parse_surface(bytes.to_vec(), Path::new(name))))
+    Box::new(move |bytes| {
+        in_words(io::parse_surface(bytes.to_vec(), Path::new(name)).and_then(|file| file.mesh()))
+    })
 }
 
 fn markers(name: &'static str) -> Reader {
-    Box::new(move |bytes| drop_content(io::parse_markers(bytes, Path::new(name))))
+    Box::new(move |bytes| in_words(io::parse_markers(bytes, Path::new(name))))
 }
 
 /// The first byte of a fuzz input chooses the format in the same order (fuzz_targets/volumes.rs).
 fn image(kind: usize) -> Reader {
     let path = Path::new("a");
     Box::new(move |bytes| {
-        drop_content(match kind {
+        in_words(match kind {
             0 => io::parse_nifti(bytes, path),
             1 => io::parse_nrrd(bytes, path),
             2 => io::parse_meta_image(bytes, path),
@@ -39,9 +41,9 @@ fn image(kind: usize) -> Reader {
     })
 }
 
-fn skeleton(bytes: &[u8]) -> Result<()> {
+fn skeleton(bytes: &[u8]) -> Result<String> {
     let text = std::str::from_utf8(bytes).unwrap_or_default();
-    drop_content(io::skeleton::SkeletonDocument::parse(text, Path::new("a")))
+    in_words(io::skeleton::SkeletonDocument::parse(text, Path::new("a")))
 }
 
 fn binary_ply() -> Vec<u8> {
@@ -127,36 +129,32 @@ fn cases() -> Vec<Case> {
         ("markups", markers("a.mrk.json"), text(json)),
         ("fcsv", markers("a.fcsv"), text(fcsv)),
         ("pp", markers("a.pp"), text(pp)),
-        (
-            "landmarks",
-            Box::new(move |b| drop_content(io::parse_landmarks(b, path))),
-            text(landmarks),
-        ),
+        ("landmarks", Box::new(move |b| in_words(io::parse_landmarks(b, path))), text(landmarks)),
         (
             "attachments",
-            Box::new(move |b| drop_content(io::parse_attachments(b, path))),
+            Box::new(move |b| in_words(io::parse_attachments(b, path))),
             text(attachments),
         ),
-        ("fixed", Box::new(move |b| drop_content(io::parse_fixed(b, path))), text("vertex\n1\n")),
+        ("fixed", Box::new(move |b| in_words(io::parse_fixed(b, path))), text("vertex\n1\n")),
         (
             "tetgen",
-            Box::new(move |b| drop_content(io::parse_tetgen(b, path, elements, path))),
+            Box::new(move |b| in_words(io::parse_tetgen(b, path, elements, path))),
             text(nodes),
         ),
-        ("veg", Box::new(move |b| drop_content(io::parse_veg(b, path))), text(veg)),
-        ("msh", Box::new(move |b| drop_content(io::parse_gmsh(b, path))), text(msh)),
-        ("bvh", Box::new(move |b| drop_content(io::bvh::parse_bvh(b, path))), text(bvh)),
+        ("veg", Box::new(move |b| in_words(io::parse_veg(b, path))), text(veg)),
+        ("msh", Box::new(move |b| in_words(io::parse_gmsh(b, path))), text(msh)),
+        ("bvh", Box::new(move |b| in_words(io::bvh::parse_bvh(b, path))), text(bvh)),
         (
             "h5 json",
             Box::new(move |b| {
-                drop_content(io::h5_json::H5Document::parse(&String::from_utf8_lossy(b), path))
+                in_words(io::h5_json::H5Document::parse(&String::from_utf8_lossy(b), path))
             }),
             text(h5_json),
         ),
-        ("vtu", Box::new(move |b| drop_content(io::parse_vtu(b, path))), text(vtu)),
-        ("profiles", Box::new(move |b| drop_content(io::parse_profiles(b, path))), text(profiles)),
+        ("vtu", Box::new(move |b| in_words(io::parse_vtu(b, path))), text(vtu)),
+        ("profiles", Box::new(move |b| in_words(io::parse_profiles(b, path))), text(profiles)),
         ("skeleton", Box::new(skeleton), text(skeleton_file)),
-        ("motion", Box::new(move |b| drop_content(io::mot::parse_motion(b, path))), text(motion)),
+        ("motion", Box::new(move |b| in_words(io::mot::parse_motion(b, path))), text(motion)),
     ]
 }
 
@@ -196,6 +194,21 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
 fn the_files_are_good_before_they_are_damaged() {
     for (name, read, file) in cases() {
         read(&file).unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
+}
+
+#[test]
+fn line_ends_of_windows_change_nothing_that_is_read_and_no_line_that_is_named() {
+    for (name, read, file) in cases() {
+        let Ok(text) = String::from_utf8(file) else { continue };
+        let compare = |text: &str| {
+            let read = |text: &str| read(text.as_bytes()).map_err(|e| e.to_string());
+            assert_eq!(read(&text.replace('\n', "\r\n")), read(text), "{name}");
+        };
+        compare(&text);
+        for (at, _) in text.match_indices(|c: char| c.is_ascii_digit()) {
+            compare(&format!("{}q{}", &text[..at], &text[at + 1..]));
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command line that others script against: names, exit codes, what goes to which stream.
 #![allow(clippy::unwrap_used)]
 
+use moulage::error::Shown;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -109,9 +110,9 @@ fn ctrl_c_writes_the_best_shape_and_is_exit_code_130() {
         "stty cols 200; exec '{}' reshape '{}' --tets lattice --tet-count 6000 --tolerance 0.001 -o '{}' --report '{}' --tets-out '{}'",
         env!("CARGO_BIN_EXE_moulage"),
         example("job.toml"),
-        path.display(),
-        report.display(),
-        tets.display()
+        path.shown(),
+        report.shown(),
+        tets.shown()
     );
     // `script` gives the program a terminal.
     let mut child = Command::new("script")

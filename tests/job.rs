@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use moulage::error::Shown;
 use moulage::job::{Ending, Inputs, ReshapeJob, check_file, run_reshape};
 use moulage::{Result, Run, io};
 
@@ -105,7 +106,7 @@ fn a_job_writes_all_it_promises_and_keeps_what_is_not_shape() {
     assert!(report.marker_distance.before.mean > 0.8);
     assert!(report.marker_distance.after.mean < 0.1, "{:?}", report.marker_distance.after);
     for path in &report.written {
-        assert!(path.is_file(), "{}", path.display());
+        assert!(path.is_file(), "{}", path.shown());
     }
     let (old, new) = (folder.read("ball.obj"), folder.read("out.obj"));
     for (old, new) in old.lines().zip(new.lines()) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use moulage::TriMesh;
+use moulage::error::Shown;
 use moulage::io::{read_surface, read_volume};
 use moulage::job::read_skeleton;
 use moulage::locate::ClosestPoints;
@@ -81,7 +82,7 @@ fn bone_file(folder: &Path, name: &str) -> TriMesh {
         found
             .iter()
             .find(|p| p.is_file())
-            .unwrap_or_else(|| panic!("{} has no {name}", folder.display())),
+            .unwrap_or_else(|| panic!("{} has no {name}", folder.shown())),
     )
 }
 

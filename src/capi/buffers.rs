@@ -7,6 +7,7 @@ use nalgebra::Matrix4;
 use std::path::PathBuf;
 
 use super::boundary::{Failure, MlgStatus, Outcome};
+use crate::error::Shown;
 use crate::math::Vec3;
 
 /// Borrows `count` elements for the length of the call.
@@ -139,8 +140,8 @@ pub(super) unsafe fn new_path(pointer: *const c_char, name: &str) -> Outcome<Pat
             status: MlgStatus::Io,
             message: format!(
                 "{}: there is no folder {}; make it first",
-                path.display(),
-                folder.display()
+                path.shown(),
+                folder.shown()
             ),
         }),
         _ => Ok(path),

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::boundary::{Failure, MlgError, MlgStatus, Outcome};
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers, handles};
+use crate::error::Shown;
 use crate::io::gltf::write_glb;
 use crate::io::has_extension;
 use crate::job::{read_motion, write_motion_file};
@@ -146,7 +147,7 @@ pub unsafe extern "C" fn mlg_motion_save(
         }
         Err(Failure {
             status: MlgStatus::Unsupported,
-            message: format!("{}: motions are written as .mot, .bvh or .glb", path.display()),
+            message: format!("{}: motions are written as .mot, .bvh or .glb", path.shown()),
         })
     })
 }

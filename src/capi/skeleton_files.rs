@@ -9,9 +9,9 @@ use super::boundary::{Failure, MlgError, MlgStatus};
 use super::mesh::Surface;
 use super::skeleton::{MlgSkeleton, SkeletonObject};
 use super::{access, buffers};
-use crate::error::Result;
+use crate::error::{Result, Shown};
 use crate::io::gltf::write_glb;
-use crate::io::{file_name, has_extension, write_beside, write_surface};
+use crate::io::{has_extension, write_beside, write_surface};
 use crate::job::skeleton_build::{build_skeleton, document_of};
 use crate::job::{read_motion, read_osim_skeleton, read_skeleton, read_tissues, write_osim};
 use crate::mesh::TriMesh;
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn mlg_skeleton_save(
         }
         Err(Failure {
             status: MlgStatus::Unsupported,
-            message: format!("{}: skeletons are written as .skeleton.json or .glb", path.display()),
+            message: format!("{}: skeletons are written as .skeleton.json or .glb", path.shown()),
         })
     })
 }
@@ -93,10 +93,10 @@ fn save_json(object: &SkeletonObject, path: &Path) -> Result<()> {
     let mut document = document_of(&object.skeleton, known);
     document.clusters.clone_from(&known.clusters);
     document.result.clone_from(&known.result);
+    document.name_surfaces("bones");
     for ((entry, bone), surface) in
-        document.bones.iter_mut().zip(&object.skeleton.bones).zip(&object.surfaces)
+        document.bones.iter().zip(&object.skeleton.bones).zip(&object.surfaces)
     {
-        entry.mesh = format!("bones/{}.obj", file_name(&bone.name));
         let points = object.skeleton.points[bone.vertices.clone()].to_vec();
         let to = folder.join(&entry.mesh);
         if let Some(file) = &surface.file {

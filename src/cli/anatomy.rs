@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::{AnatomyJob, ObjectLine, Status, run_anatomy};
 use moulage::{Result, Run};
 
@@ -44,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let seconds: f64 = report.stages.iter().map(|stage| stage.seconds).sum();
     println!("{} objects, {} bones, {seconds:.1} s", report.objects.len(), report.bones.len());
     for path in report.written.iter().filter(|p| p.extension().is_some_and(|e| e == "html")) {
-        println!("written: {}", path.display());
+        println!("written: {}", path.shown());
     }
     Ok(ExitCode::from(if report.interrupted {
         super::INTERRUPTED

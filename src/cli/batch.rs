@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::{BatchJob, Status, run_batch};
 use moulage::{Result, Run};
 
@@ -31,7 +32,7 @@ pub fn run(job: &BatchJob) -> Result<ExitCode> {
         }
     }
     if !job.no_summary {
-        println!("written: {}", job.out.join("index.html").display());
+        println!("written: {}", job.out.join("index.html").shown());
     }
     Ok(ExitCode::from(code))
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::check_file;
 
 #[derive(clap::Args)]
@@ -19,7 +20,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     for path in &arguments.files {
         match check_file(path) {
             Ok(check) => {
-                println!("{}: {}", path.display(), check.content);
+                println!("{}: {}", path.shown(), check.content);
                 for finding in check.findings {
                     println!("  {finding}");
                 }

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use moulage::Result;
+use moulage::error::Shown;
 use moulage::job::{CompareJob, MarkersJob, SliceJob, run_compare, run_markers, run_slice};
 use moulage::measure::Spread;
 
@@ -11,13 +12,13 @@ pub fn slice(job: &SliceJob) -> Result<ExitCode> {
     for sentence in run_slice(job)? {
         println!("{sentence}");
     }
-    println!("written: {}", job.out.display());
+    println!("written: {}", job.out.shown());
     Ok(ExitCode::SUCCESS)
 }
 
 /// Marks one label.
 pub fn markers(job: &MarkersJob) -> Result<ExitCode> {
-    println!("{} markers written: {}", run_markers(job)?, job.out.display());
+    println!("{} markers written: {}", run_markers(job)?, job.out.shown());
     Ok(ExitCode::SUCCESS)
 }
 
@@ -36,7 +37,7 @@ pub fn compare(job: &CompareJob) -> Result<ExitCode> {
         );
     }
     for path in written {
-        println!("written: {}", path.display());
+        println!("written: {}", path.shown());
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Subcommand;
+use moulage::error::Shown;
 use moulage::job::{ModelFitJob, ModelShapeJob, run_model_fit, run_model_shape};
 use moulage::{Result, Run};
 
@@ -31,9 +32,9 @@ pub fn run(command: &Command) -> Result<ExitCode> {
             {
                 println!("mode {}: {size:.3}, {:.1} % explained", k + 1, 100.0 * explained);
             }
-            println!("wrote {}", job.out.display());
+            println!("wrote {}", job.out.shown());
         }
-        Command::Shape(job) => println!("wrote {}", run_model_shape(job)?.display()),
+        Command::Shape(job) => println!("wrote {}", run_model_shape(job)?.shown()),
     }
     Ok(ExitCode::SUCCESS)
 }

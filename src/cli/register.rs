@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::{RegisterJob, RegisterReport, run_register};
 use moulage::register::Verdict;
 use moulage::{Result, Run};
@@ -40,6 +41,6 @@ fn print(report: &RegisterReport) {
     println!("{} joints, {} outside their limits", report.joints.len(), outside.count());
     println!("{} iterations, {:.2} s", report.iterations, report.seconds);
     for path in report.written.iter().filter(|p| !p.to_string_lossy().contains("bones")) {
-        println!("wrote {}", path.display());
+        println!("wrote {}", path.shown());
     }
 }

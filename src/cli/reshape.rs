@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::{Ending, Report, ReshapeJob, run_reshape};
 use moulage::measure::Spread;
 use moulage::{Result, Run};
@@ -85,7 +86,7 @@ fn print(report: &Report) {
     let seconds: f64 = report.stages.iter().map(|stage| stage.seconds).sum();
     println!("{} iterations, {seconds:.1} s", report.iteration_count);
     for path in &report.written {
-        println!("written: {}", path.display());
+        println!("written: {}", path.shown());
     }
     match report.ending {
         Ending::Good => println!("{}", report.why),

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::{SeparateJob, SeparationReport, run_separate};
 use moulage::separate::Ending;
 use moulage::{Result, Run};
@@ -18,7 +19,7 @@ pub fn run(job: &SeparateJob) -> Result<ExitCode> {
     let report = result?;
     print(&report);
     for path in &report.written {
-        println!("written: {}", path.display());
+        println!("written: {}", path.shown());
     }
     Ok(ExitCode::from(match report.summary.ending {
         _ if report.summary.separated => 0,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::io::{DataArray, read_surface, write_vtu};
 use moulage::job::{ReshapeJob, fill};
 use moulage::mesh::TetQuality;
@@ -51,6 +52,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         eprintln!("note: {warning}");
     }
     println!("by {}: {}", filled.used, TetQuality::of_mesh(&filled.mesh));
-    println!("written: {}", arguments.out.display());
+    println!("written: {}", arguments.out.shown());
     Ok(ExitCode::SUCCESS)
 }

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use moulage::error::Shown;
 use moulage::job::{TrackJob, run_track};
 use moulage::register::Verdict;
 use moulage::{Result, Run};
@@ -18,17 +19,17 @@ pub fn run(job: &TrackJob) -> Result<ExitCode> {
     let frames = frames?;
     for frame in &frames {
         for reason in &frame.registered.judgement.reasons {
-            eprintln!("note: {}: {reason}", frame.volume.display());
+            eprintln!("note: {}: {reason}", frame.volume.shown());
         }
         println!(
             "{}: {}, recognized {:.0} % of the surface, {} iterations",
-            frame.volume.display(),
+            frame.volume.shown(),
             frame.registered.judgement.verdict.name(),
             100.0 * frame.seen,
             frame.registered.iterations()
         );
     }
-    println!("written: {} frames and angles.csv in {}", frames.len(), job.out.display());
+    println!("written: {} frames and angles.csv in {}", frames.len(), job.out.shown());
     let failed = frames.iter().any(|f| f.registered.judgement.verdict == Verdict::Failed);
     Ok(ExitCode::from(match failed {
         _ if run.is_cancelled() => super::INTERRUPTED,

@@ -8,7 +8,7 @@ use dicom_object::{DefaultDicomObject, OpenFileOptions, Tag};
 use dicom_pixeldata::PixelDecoder;
 
 use super::{dicom_lengths, read_bytes};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::{Mat3, Vec3, median};
 use crate::volume::{MAX_VOXELS, Volume};
 
@@ -71,7 +71,7 @@ pub fn read_dicom(path: &Path) -> Result<(Volume, Vec<String>)> {
     }
     one_series(&slices, folder)?;
     if others > 0 {
-        notes.push(format!("{}: {others} files are not slices and were skipped", folder.display()));
+        notes.push(format!("{}: {others} files are not slices and were skipped", folder.shown()));
     }
     for slice in &mut slices {
         let bytes = read_bytes(&slice.path)?;
@@ -280,7 +280,7 @@ fn one_series(slices: &[Slice], folder: &Path) -> Result<()> {
             None,
             format!(
                 "size, spacing or orientation differ from {}; a localizer? take it out of the folder",
-                first.path.display()
+                first.path.shown()
             ),
         )),
         None => Ok(()),

@@ -10,7 +10,7 @@ use super::markups::{parse_markups, write_markups};
 use super::picked_points::{parse_picked_points, write_picked_points};
 use super::ply::PlyDocument;
 use super::read_bytes;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::Vec3;
 
 /// Reads markers from `.csv`, `.txt`/`.xyz`/`.pts`, `.ply`, `.mrk.json`/`.json`, `.fcsv` or `.pp`.
@@ -66,7 +66,7 @@ fn extension(path: &Path) -> Result<&'static str> {
     EXTENSIONS.into_iter().find(|known| extension.as_deref() == Some(known)).ok_or_else(|| {
         Error::Unsupported(format!(
             "{} is not a marker file: .csv, .txt, .xyz, .ply, .mrk.json, .fcsv and .pp are",
-            path.display()
+            path.shown()
         ))
     })
 }
@@ -89,7 +89,7 @@ mod tests {
             write_markers(&path, &markers).unwrap();
             let again = read_markers(&path).unwrap();
             std::fs::remove_file(&path).unwrap();
-            assert_eq!(again, markers, "{}", path.display());
+            assert_eq!(again, markers, "{}", path.shown());
         }
     }
 

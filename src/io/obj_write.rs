@@ -7,7 +7,7 @@ use nalgebra::Rotation3;
 
 use super::obj::ObjDocument;
 use super::write_beside;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::Vec3;
 
 /// A written normal within this cosine (10 degrees) of its corners' mean normal is taken as
@@ -32,7 +32,7 @@ impl ObjDocument {
         if points.len() != self.points.len() {
             return Err(Error::invalid(format!(
                 "{} has {} vertices, but {} points are to be written into it",
-                self.path.display(),
+                self.path.shown(),
                 self.points.len(),
                 points.len()
             )));

@@ -8,7 +8,7 @@ use super::marker::Marker;
 use super::markers::read_markers;
 use super::read_bytes;
 use super::table::Table;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::Vec3;
 
 /// A place on the template and where it is on the person.
@@ -194,8 +194,8 @@ fn pair(
     if paired.landmarks.is_empty() {
         return Err(Error::invalid(format!(
             "{} and {} have no label in common; landmarks are paired by label",
-            template_path.display(),
-            target_path.display()
+            template_path.shown(),
+            target_path.shown()
         )));
     }
     Ok(paired)
@@ -209,7 +209,7 @@ fn by_label<'a>(markers: &'a [Marker], path: &Path) -> Result<Vec<(&'a str, &'a 
         if let Some(first) = seen.insert(label, m) {
             return Err(Error::invalid(format!(
                 "{}: points {first} and {m} have the same label '{label}'; rename one",
-                path.display()
+                path.shown()
             )));
         }
         labelled.push((label, marker));

@@ -10,7 +10,7 @@ use ply_rs_bw::ply::{
 use ply_rs_bw::writer::Writer;
 
 use super::write_beside;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
@@ -78,7 +78,7 @@ impl PlyDocument {
         if points.len() != count {
             return Err(Error::invalid(format!(
                 "{} has {count} vertices, but {} points are to be written into it",
-                self.path.display(),
+                self.path.shown(),
                 points.len()
             )));
         }

@@ -10,9 +10,18 @@ pub use super::skeleton_document::{
     ReferenceImage, SidesEntry, SkeletonDocument, SoftEntry, StationEntry, VERSION,
 };
 use super::skeleton_hinges::HingeDocument;
+use super::write::file_names;
 use crate::error::{Error, Result};
 
 impl SkeletonDocument {
+    /// Gives every bone a surface of its own in a folder, relative to the skeleton file: `bones/NAME.obj`.
+    pub fn name_surfaces(&mut self, folder: &str) {
+        let names = file_names(self.bones.iter().map(|bone| bone.name.as_str()));
+        for (bone, name) in self.bones.iter_mut().zip(names) {
+            bone.mesh = format!("{folder}/{name}.obj");
+        }
+    }
+
     /// Reads the text of a skeleton file; `path` is for error messages.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let line = |e: &serde_json::Error| Some(e.line()).filter(|&l| l > 0);

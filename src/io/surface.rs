@@ -6,7 +6,7 @@ use super::obj::ObjDocument;
 use super::ply::{PlyDocument, write_ply};
 use super::stl::{StlDocument, write_stl};
 use super::{read_bytes, write_beside};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 
@@ -95,7 +95,7 @@ fn known_extension(path: &Path) -> Result<&'static str> {
         || {
             Error::Unsupported(format!(
                 "{} is not a surface file: .obj, .ply and .stl are",
-                path.display()
+                path.shown()
             ))
         },
     )

@@ -7,7 +7,7 @@ use super::read_bytes;
 use super::tetgen_files::parse_tetgen;
 use super::veg::parse_veg;
 use super::vtu_read::parse_vtu;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::mesh::TetMesh;
 
 /// Reads TetGen `.node`/`.ele` (either name; the other file stands beside it), `.vtu`, VegaFEM
@@ -24,7 +24,7 @@ pub fn read_tets(path: &Path) -> Result<TetMesh> {
         Some("msh") => parse_gmsh(&read_bytes(path)?, path),
         _ => Err(Error::Unsupported(format!(
             "{} is not a tet mesh file: .node/.ele, .vtu, .veg and .msh are",
-            path.display()
+            path.shown()
         ))),
     }
 }

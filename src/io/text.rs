@@ -6,9 +6,11 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 
-/// The text without a byte order mark; bytes that are not UTF-8 (old material names) are replaced.
+/// The text without a byte order mark, with lines that end in `\n` alone: by others `csv` counts one too few.
+/// Bytes that are not UTF-8 (old material names) are replaced.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    if text.contains("\r\n") { Cow::Owned(text.replace("\r\n", "\n")) } else { text }
 }
 
 /// A place in a file, for errors.

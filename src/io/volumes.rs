@@ -8,7 +8,7 @@ use super::meta_image::read_meta_image;
 use super::nifti::parse_named_nifti;
 use super::nrrd::read_nrrd;
 use super::read_bytes;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::volume::Volume;
 
 /// A volume with what its reader noticed.
@@ -35,7 +35,7 @@ pub fn read_volume(path: &Path) -> Result<VolumeFile> {
     let format = format(path).ok_or_else(|| {
         Error::Unsupported(format!(
             "{} is not a volume: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd and folders of DICOM files are",
-            path.display()
+            path.shown()
         ))
     })?;
     let mut notes = Vec::new();

@@ -1,5 +1,6 @@
 //! Whole files: read into memory, or written beside the target and renamed over it.
 
+use std::collections::HashSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -31,11 +32,30 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension))
 }
 
-/// A name without anything that means something in a path.
+/// Names that Windows has for devices, whatever follows after a dot.
+const DEVICES: [&str; 6] = ["aux", "com", "con", "lpt", "nul", "prn"];
+
+/// A name without anything that means something in a path, on any system.
 pub fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_alphanumeric() || "_-.".contains(c) { c } else { '_' };
     let cleaned: String = name.chars().map(safe).collect();
-    cleaned.trim_start_matches('.').to_string()
+    let cleaned = cleaned.trim_matches('.');
+    let first = cleaned.split('.').next().unwrap_or_default().to_lowercase();
+    let device = DEVICES.contains(&first.trim_end_matches(|c: char| c.is_ascii_digit()));
+    if device { format!("_{cleaned}") } else { cleaned.to_string() }
+}
+
+/// File names for many things, no two of them one file where letters of either case are the same: a
+/// later one is numbered.
+pub fn file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    let mut taken = HashSet::new();
+    let different = |name: &str| {
+        let own = file_name(name);
+        let numbered = (2..).map(|k| format!("{own}_{k}"));
+        let mut candidates = std::iter::once(own.clone()).chain(numbered);
+        candidates.find(|name| taken.insert(name.to_lowercase())).unwrap_or(own)
+    };
+    names.into_iter().map(different).collect()
 }
 
 /// Writes a file such that `path` holds either its old content or the complete new one: `fill`
@@ -122,6 +142,15 @@ mod tests {
         assert!(error.starts_with("cannot write "), "{error}");
         assert_eq!(fs::read_dir(folder.join("a")).unwrap().count(), 1);
         fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn file_names_are_good_on_every_system() {
+        let names =
+            ["Femur", "femur", "a b", "a_b", "con", "Com1.left", "../x", "Rippe Ä", "femur."];
+        let expected =
+            ["Femur", "femur_2", "a_b", "a_b_2", "_con", "_Com1.left", "_x", "Rippe_Ä", "femur_3"];
+        assert_eq!(file_names(names), expected);
     }
 
     #[test]

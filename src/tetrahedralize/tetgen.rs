@@ -8,7 +8,7 @@ use self::program::{Program, Tets};
 use super::simplify::simplify;
 use super::weld::Welded;
 use super::{Tetrahedralization, Used};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::locate::{Embedding, WindingNumber};
 use crate::math::Vec3;
 use crate::mesh::{SurfaceCheck, TetMesh, TriMesh, boundary_triangles};
@@ -93,7 +93,7 @@ fn fill(path: &Path, surface: &TriMesh, tet_count: usize, run: &Run) -> Result<T
     let given = scaled.points.len();
     if points.len() < given {
         return Err(Error::ExternalProgram {
-            program: path.display().to_string(),
+            program: path.shown(),
             message: format!(
                 "{} of {given} vertices are missing in its result",
                 given - points.len()

@@ -22,7 +22,7 @@ static void meshes(void) {
            MLG_STATUS_INVALID_ARGUMENT, "memory");
     expect(mlg_tet_mesh_new(points, 3, flat_tet, 1, &tets, &error), MLG_STATUS_INVALID_ARGUMENT,
            "no volume");
-    expect(mlg_tri_mesh_load("no/such.obj", &mesh, &error), MLG_STATUS_IO, "no/such.obj");
+    expect(mlg_tri_mesh_load("no_such.obj", &mesh, &error), MLG_STATUS_IO, "no_such.obj");
     expect(mlg_tri_mesh_load("\xff.obj", &mesh, &error), MLG_STATUS_INVALID_ARGUMENT, "UTF-8");
     CHECK(mesh == untouched && tets == NULL);
 

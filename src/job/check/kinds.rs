@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::file_check::{FileCheck, extent};
 use super::skeleton::{osim_file, skeleton_file};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io;
 use crate::io::bvh::read_bvh;
 use crate::io::mot::read_motion;
@@ -35,7 +35,7 @@ pub fn check_file(path: &Path) -> Result<FileCheck> {
         Some("json" | "fcsv" | "pp" | "txt" | "xyz" | "pts" | "tsv") => markers(path),
         _ => Err(Error::Unsupported(format!(
             "{}: this kind of file is not known; surfaces, markers, tet meshes, images, skeletons, motions and job files are",
-            path.display()
+            path.shown()
         ))),
     }
 }

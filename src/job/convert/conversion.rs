@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::osim_read::read_osim_skeleton;
 use super::osim_write::write_osim;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::gltf::write_glb;
 use crate::io::{file_name, has_extension, stem, write_beside, write_surface};
 use crate::job::register::motion_files::{read_motion, write_motion_file};
@@ -74,8 +74,8 @@ pub fn convert(job: &Conversion) -> Result<Vec<String>> {
     Err(Error::Unsupported(format!(
         "cannot convert {} to {}: .osim to .skeleton.json, .skeleton.json to .glb or .osim, and motions \
          (.mot, .sto, .bvh) to .mot or .bvh are known",
-        from.display(),
-        to.display()
+        from.shown(),
+        to.shown()
     )))
 }
 
@@ -100,8 +100,8 @@ fn write_osim_skeleton(from: &Path, to: &Path) -> Result<Vec<String>> {
     let folder = to.parent().unwrap_or(Path::new(""));
     // Several models may be converted into one folder.
     let own = stem(to).trim_end_matches(".skeleton").to_string();
-    for (bone, mesh) in document.bones.iter_mut().zip(&meshes) {
-        bone.mesh = format!("bones/{}/{}.obj", file_name(&own), file_name(&bone.name));
+    document.name_surfaces(&format!("bones/{}", file_name(&own)));
+    for (bone, mesh) in document.bones.iter().zip(&meshes) {
         write_surface(&folder.join(&bone.mesh), mesh)?;
     }
     let text = document.to_text()?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Point3};
 
 use super::osim_skeleton::osim_document;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::osim::model::{OsimBody, OsimMesh, OsimModel};
 use crate::io::osim::pose::places;
 use crate::io::skeleton::SkeletonDocument;
@@ -83,7 +83,7 @@ fn find_mesh(model: &Path, name: &str) -> Result<PathBuf> {
     places.into_iter().find(|p| p.is_file()).ok_or_else(|| {
         Error::invalid(format!(
             "the mesh {name} of {} lies neither beside it nor in Geometry/",
-            model.display()
+            model.shown()
         ))
     })
 }

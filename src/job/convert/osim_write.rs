@@ -10,7 +10,7 @@ use nalgebra::{Point3, Translation3};
 
 use super::osim_person::OsimPerson;
 use super::osim_read::OsimFiles;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::osim::edit::{OsimChanges, edit_osim};
 use crate::io::osim::joint::{OsimJoint, Values};
 use crate::io::osim::model::{OsimBody, OsimModel};
@@ -43,7 +43,7 @@ pub fn write_osim(
     let mut changes = Changes::new(&files.model, &template, &person, &stem(to));
     let total = changes.set_masses(&files.model.bodies, mass);
     if total <= 0.0 && mass.is_some() {
-        return Err(Error::invalid(format!("no body of {} has a mass", original.display())));
+        return Err(Error::invalid(format!("no body of {} has a mass", original.shown())));
     }
     let edited = edit_osim(&files.text, original, &changes)?;
     changes.write_meshes(&person, files, to.parent().unwrap_or(Path::new("")))?;
@@ -152,7 +152,7 @@ fn check_same(template: &Skeleton, person: &Skeleton, original: &Path) -> Result
             return Err(Error::invalid(format!(
                 "bone {} is not the one of {}; give the model that the skeleton was converted from",
                 bone.name,
-                original.display()
+                original.shown()
             )));
         }
     }

@@ -10,7 +10,7 @@ use super::case::{Case, CaseRecord, Status, earlier, run_case, run_cases};
 use super::provenance::hash_files;
 use crate::error::{Error, Result};
 use crate::io::{check_writable, read_tets};
-use crate::io::{file_name, stem};
+use crate::io::{file_names, stem};
 use crate::job::register::run::run_register;
 use crate::job::register::skeleton_files::read_skeleton;
 use crate::job::register::spec::RegisterJob;
@@ -109,7 +109,7 @@ fn find_bones(job: &AnatomyJob, out: &Path, run: &Run) -> Result<Bones> {
         None => register_bones(skeleton, &folder, meshes.len(), record, run)?,
     };
     Ok(Bones {
-        names: files.document.bones.iter().map(|bone| file_name(&bone.name)).collect(),
+        names: file_names(files.document.bones.iter().map(|bone| bone.name.as_str())),
         person: record.surfaces.iter().map(|surface| folder.join(surface)).collect(),
         template: meshes.into_iter().map(Some).collect(),
         doubt: (record.status != Status::Good).then_some(record.message),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::{file_name, read_text, stem};
 use crate::job::register::spec::RegisterJob;
 use crate::job::reshape::spec::{ReshapeJob, one_or_many};
@@ -137,7 +137,7 @@ impl AnatomyJob {
             if let Some(lost) = self.template_bones.iter().find(|p| !people.contains(&stem(p))) {
                 return Err(Error::invalid(format!(
                     "the template bone {} has no bone of the same name among the person's bones",
-                    lost.display()
+                    lost.shown()
                 )));
             }
         }

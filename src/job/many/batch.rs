@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::case::{Case, run_case, run_cases};
 use super::provenance::read_job;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::check_writable;
 use crate::io::stem;
 use crate::run::Run;
@@ -62,8 +62,8 @@ fn names(cases: &[PathBuf]) -> Result<Vec<String>> {
         if let Some(other) = names[..k].iter().position(|n| n == name) {
             return Err(Error::invalid(format!(
                 "{} and {} would share the folder '{name}'; rename one",
-                cases[other].display(),
-                cases[k].display()
+                cases[other].shown(),
+                cases[k].shown()
             )));
         }
     }

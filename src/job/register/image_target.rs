@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::skeleton_files::SkeletonFiles;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::skeleton::ReferenceImage;
 use crate::io::{read_profiles, read_volume};
 use crate::register::{Appearance, Skeleton, Target};
@@ -59,7 +59,7 @@ fn missing(path: &Path, what: &str) -> Error {
     Error::invalid(format!(
         "{}: to look for the template in an image, {what} is needed in which it lies on the bones; \
          name it with --reference, or as reference_image in the skeleton file",
-        path.display()
+        path.shown()
     ))
 }
 

@@ -8,7 +8,7 @@ use super::model_file::{read_shape_model, write_shape_model};
 use super::skeleton_build::document_of;
 use super::skeleton_files::{SkeletonFiles, read_skeleton};
 use crate::error::{Error, Result};
-use crate::io::{file_name, write_beside};
+use crate::io::write_beside;
 use crate::job::report::files::write_report;
 use crate::job::report::html::{self, Column, picture, table};
 use crate::job::report::picture::{View, draw};
@@ -134,8 +134,8 @@ pub fn run_model_shape(job: &ModelShapeJob) -> Result<PathBuf> {
 
 fn write_shape(folder: &Path, files: &SkeletonFiles, shape: &Skeleton) -> Result<PathBuf> {
     let mut document = document_of(shape, &files.document);
-    for ((bone, entry), file) in shape.bones.iter().zip(&mut document.bones).zip(&files.surfaces) {
-        entry.mesh = format!("bones/{}.obj", file_name(&bone.name));
+    document.name_surfaces("bones");
+    for ((bone, entry), file) in shape.bones.iter().zip(&document.bones).zip(&files.surfaces) {
         let points = &shape.points[bone.vertices.clone()];
         file.write_with_points(&folder.join(&entry.mesh), points)?;
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::bvh_motion::{bvh_of_motion, motion_of_bvh};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::bvh::{read_bvh, write_bvh};
 use crate::io::has_extension;
 use crate::io::mot::{self, MotionTable, write_motion};
@@ -21,7 +21,7 @@ pub fn read_motion(path: &Path, skeleton: &Skeleton, flip: &[String]) -> Result<
     };
     for name in flip {
         let column = motion.names.iter().position(|n| n == name).ok_or_else(|| {
-            Error::invalid(format!("--flip {name}: {} has no such column", path.display()))
+            Error::invalid(format!("--flip {name}: {} has no such column", path.shown()))
         })?;
         for row in &mut motion.frames {
             row[column] = -row[column];

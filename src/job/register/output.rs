@@ -12,7 +12,7 @@ use super::spec::RegisterJob;
 use crate::error::Result;
 use crate::io::gltf::write_glb;
 use crate::io::skeleton::{ReferenceImage, SkeletonDocument, SoftEntry};
-use crate::io::{file_name, read_volume, write_beside, write_profiles};
+use crate::io::{file_names, read_volume, write_beside, write_profiles};
 use crate::register::animation::{Motion, present_angles};
 use crate::register::transfer::carry_soft_tissue;
 use crate::register::{Appearance, Registered};
@@ -46,10 +46,11 @@ pub(crate) fn write(
         written.push(path);
     }
     let mut carried = Vec::new();
-    for tissue in tissues {
+    let names = file_names(tissues.iter().map(|tissue| tissue.name.as_str()));
+    for (tissue, own) in tissues.iter().zip(names) {
         let Tissue { name, mut mesh } = tissue.tissue()?;
         mesh.points = carry_soft_tissue(&files.skeleton, &found.skeleton.points, &mesh)?;
-        let path = format!("soft/{}.obj", file_name(&name));
+        let path = format!("soft/{own}.obj");
         tissue.file.write_with_points(&folder.join(&path), &mesh.points)?;
         written.push(folder.join(&path));
         document.soft.push(SoftEntry { name: name.clone(), mesh: path });
@@ -82,9 +83,7 @@ pub(crate) fn write(
 /// in `bones/`, no soft tissue yet.
 pub fn result_document(template: &SkeletonDocument, found: &Registered) -> SkeletonDocument {
     let mut document = document_of(&found.skeleton, template);
-    for bone in &mut document.bones {
-        bone.mesh = format!("bones/{}.obj", file_name(&bone.name));
-    }
+    document.name_surfaces("bones");
     document.result = Some(result_value(found));
     document
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::image_target::{appearance, image_target};
 use super::skeleton_files::SkeletonFiles;
 use super::spec::RegisterJob;
-use crate::error::{Error, Result};
-use crate::io::{file_name, is_volume, read_surface, read_volume};
+use crate::error::{Error, Result, Shown};
+use crate::io::{file_names, is_volume, read_surface, read_volume};
 use crate::mesh::TriMesh;
 use crate::register::{Skeleton, Target};
 use crate::volume::label_surface;
@@ -32,9 +32,10 @@ fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
         }
         (None, Some(folder)) if job.volume.is_none() => {
             let mut surfaces = Vec::new();
-            for bone in &skeleton.bones {
+            let names = file_names(skeleton.bones.iter().map(|bone| bone.name.as_str()));
+            for (bone, name) in skeleton.bones.iter().zip(names) {
                 let file = ["ply", "obj", "stl"]
-                    .map(|e| folder.join(format!("{}.{e}", file_name(&bone.name))))
+                    .map(|e| folder.join(format!("{name}.{e}")))
                     .into_iter()
                     .find(|p| p.is_file());
                 if let Some(path) = file {
@@ -44,7 +45,7 @@ fn surface_target(job: &RegisterJob, skeleton: &Skeleton) -> Result<Target> {
             if surfaces.is_empty() {
                 return Err(Error::invalid(format!(
                     "{} holds no surface named after a bone, such as {}.ply",
-                    folder.display(),
+                    folder.shown(),
                     skeleton.bones[0].name
                 )));
             }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::spec::{Gap, ReshapeJob};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -21,7 +21,7 @@ pub(crate) fn attachments(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<Pai
             let distance = job.attachment_distance.ok_or_else(|| {
                 Error::invalid(format!(
                     "{} is a bone; say with attachment_distance how near its vertices must be to the template to be attached",
-                    path.display()
+                    path.shown()
                 ))
             })?;
             pairs.extend(from_bone(path, targets.next().unwrap_or(path), surface, distance)?);
@@ -29,7 +29,7 @@ pub(crate) fn attachments(job: &ReshapeJob, surface: &TriMesh) -> Result<Vec<Pai
     }
     if let Some(left) = targets.next() {
         let message = "is an attachment target without a bone among the attachments";
-        return Err(Error::invalid(format!("{} {message}", left.display())));
+        return Err(Error::invalid(format!("{} {message}", left.shown())));
     }
     Ok(pairs)
 }
@@ -59,5 +59,5 @@ pub fn read_attachment_pairs(path: &Path, surface: &TriMesh, gap: Gap) -> Result
 fn from_bone(bone: &Path, target: &Path, surface: &TriMesh, distance: f64) -> Result<Vec<Pair>> {
     let (rest, person) = (io::read_surface(bone)?.mesh()?, io::read_surface(target)?.mesh()?);
     attach_to_bone(&io::stem(bone), &rest.points, &person.points, surface, distance)
-        .map_err(|e| Error::invalid(format!("{} and {}: {e}", bone.display(), target.display())))
+        .map_err(|e| Error::invalid(format!("{} and {}: {e}", bone.shown(), target.shown())))
 }

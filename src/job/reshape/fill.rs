@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::spec::ReshapeJob;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io;
 use crate::mesh::TriMesh;
 use crate::run::Run;
@@ -35,13 +35,13 @@ fn method(how: Option<&Path>) -> Result<Method> {
         Some("lattice") => Ok(Method::Lattice),
         _ => Err(Error::invalid(format!(
             "tets = '{}' is not known; auto, tetgen, lattice or a tet mesh file are",
-            how.display()
+            how.shown()
         ))),
     }
 }
 
 fn from_file(path: &Path, surface: &TriMesh) -> Result<Tetrahedralization> {
-    let made_by = path.display().to_string();
+    let made_by = path.shown();
     let mesh = io::read_tets(path)?;
     given_tets(mesh, surface, made_by).map_err(|e| Error::parse(path, None, e.to_string()))
 }

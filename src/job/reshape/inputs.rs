@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::attach::attachments;
 use super::spec::ReshapeJob;
 use crate::align::Freedom;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::io::{self, Anchor, Marker, SurfaceFile};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
@@ -77,7 +77,7 @@ impl Inputs {
     pub fn inspect(&self, align: Option<Freedom>) -> Result<Vec<String>> {
         let counted = self.markers.iter().filter(|m| m.weight.is_none_or(|w| w > 0.0));
         let data = Data {
-            surface: (&self.surface, &self.template_path.display().to_string()),
+            surface: (&self.surface, &self.template_path.shown()),
             markers: &counted.map(|m| m.position).collect::<Vec<_>>(),
             landmarks: &self.landmarks,
             attachments: &self.attachments,

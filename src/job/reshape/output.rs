@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::inputs::Inputs;
 use super::result::Outcome;
 use super::spec::ReshapeJob;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::fem::principal_stretches;
 use crate::io::{DataArray, check_writable, stem, write_ply, write_vtu};
 use crate::measure::distance_to_markers;
@@ -31,7 +31,7 @@ pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
         if !extensions.iter().any(|known| own.as_deref() == Some(known)) {
             return Err(Error::invalid(format!(
                 "{flag} {}: the name must end in .{}",
-                path.display(),
+                path.shown(),
                 extensions.join(" or .")
             )));
         }
@@ -59,7 +59,7 @@ pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
     match (&job.out, &job.template) {
         (Some(out), Some(template)) if same(out, template) => Err(Error::invalid(format!(
             "the result would replace the template {}; give it another name",
-            template.display()
+            template.shown()
         ))),
         _ => Ok(()),
     }

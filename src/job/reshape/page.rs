@@ -3,6 +3,7 @@
 use super::pictures::pictures;
 use super::plots;
 use super::report::{Change, Ending, PairLine, Report, Shapes};
+use crate::error::Shown;
 use crate::io::markup::escaped;
 use crate::job::report::html::{self, Column, figure, marked, notes, number, picture, table};
 use crate::job::report::stages;
@@ -54,10 +55,7 @@ pub fn page(report: &Report, shapes: &Shapes) -> String {
 fn figures(report: &Report) -> String {
     let [low, high] = report.stretch_range;
     let mut rows = fit_figures(report);
-    rows.extend([
-        ("Template", report.template.display().to_string()),
-        ("Markers", report.markers.to_string()),
-    ]);
+    rows.extend([("Template", report.template.shown()), ("Markers", report.markers.to_string())]);
     if report.fixed > 0 {
         rows.push(("Fixed vertices", report.fixed.to_string()));
     }
@@ -94,7 +92,7 @@ fn figures(report: &Report) -> String {
         ("Iterations", report.iteration_count.to_string()),
         ("Seconds", stages::sentence(&report.stages)),
     ]);
-    rows.extend(report.written.iter().map(|path| ("Written", path.display().to_string())));
+    rows.extend(report.written.iter().map(|path| ("Written", path.shown())));
     let cells = rows.into_iter().map(|(name, value)| vec![name.to_owned(), escaped(&value)]);
     table(&[Column::Text(""), Column::Text("")], cells)
 }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 use crate::run::Run;
@@ -34,7 +34,7 @@ pub fn find(asked: Option<&Path>) -> Result<Option<PathBuf>> {
         }
         return Err(Error::invalid(format!(
             "TetGen was to be {}, but there is no such file; correct the path, or leave it out to search for it",
-            path.display()
+            path.shown()
         )));
     }
     let file = format!("tetgen{}", std::env::consts::EXE_SUFFIX);
@@ -81,7 +81,7 @@ impl<'a> Program<'a> {
     }
 
     fn failure(&self, message: String) -> Error {
-        Error::ExternalProgram { program: self.path.display().to_string(), message }
+        Error::ExternalProgram { program: self.path.shown(), message }
     }
 
     /// Runs the program to its end, its words going to a file.
