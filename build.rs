@@ -1,11 +1,14 @@
-//! Names the shared library for the loader: programs ask for `libmoulage.so.0.1`, so that a later
-//! version that breaks them can stand beside this one.
+//! Names the shared library for the loader: programs ask for `libmoulage.so.0.1` or
+//! `@rpath/libmoulage.0.1.dylib`, so that a later version that breaks them can stand beside this one.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     let [major, minor] = ["MAJOR", "MINOR"]
         .map(|part| std::env::var(format!("CARGO_PKG_VERSION_{part}")).unwrap_or_default());
-    if std::env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
-        println!("cargo:rustc-cdylib-link-arg=-Wl,-soname,libmoulage.so.{major}.{minor}");
-    }
+    let name = match std::env::var("CARGO_CFG_TARGET_OS").as_deref() {
+        Ok("linux") => format!("-soname,libmoulage.so.{major}.{minor}"),
+        Ok("macos") => format!("-install_name,@rpath/libmoulage.{major}.{minor}.dylib"),
+        _ => return,
+    };
+    println!("cargo:rustc-cdylib-link-arg=-Wl,{name}");
 }
