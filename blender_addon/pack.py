@@ -1,30 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the add-on for this machine's system, around the wheel that python/build.sh made, and beside it.
+"""Packs the add-on around wheels that python/build.sh made, for the system each of them is for, and beside it.
 
-    python3 blender_addon/pack.py WHEEL
+    python3 blender_addon/pack.py WHEEL...
 """
 
+import re
 import sys
-import sysconfig
 import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 # Times in the zip are fixed, so that the same input gives the same file.
 STAMP = (2020, 1, 1, 0, 0, 0)
-# Blender's names for platforms.
+# Blender's names for systems, by the ends of the wheels' names.
 PLATFORMS = {
-    "linux-x86_64": "linux-x64", "win-amd64": "windows-x64", "win-arm64": "windows-arm64",
-    "macosx-arm64": "macos-arm64", "macosx-x86_64": "macos-x64",
+    r"linux\w*_x86_64": "linux-x64", "win_amd64": "windows-x64", "win_arm64": "windows-arm64",
+    r"macosx\w*_arm64": "macos-arm64", r"macosx\w*_x86_64": "macos-x64",
 }
 NOT_PACKED = {"build.sh", "pack.py"}
 
 
-def platform():
-    own = sysconfig.get_platform()
-    parts = own.split("-")
-    found = PLATFORMS.get(own) or PLATFORMS.get(f"{parts[0]}-{parts[-1]}")
-    return found or sys.exit(f"Blender has no extensions for {own}")
+def platform(wheel):
+    for end, name in PLATFORMS.items():
+        if re.search(f"{end}$", wheel.stem):
+            return name
+    return sys.exit(f"Blender has no extensions for the system of {wheel.name}")
 
 
 def sources():
@@ -44,7 +44,7 @@ def add(archive, name, data):
 def manifest(text, wheel):
     lines = text.rstrip().splitlines()
     at = lines.index("[permissions]")
-    lines[at:at] = [f'platforms = ["{platform()}"]', f'wheels = ["./wheels/{wheel.name}"]', ""]
+    lines[at:at] = [f'platforms = ["{platform(wheel)}"]', f'wheels = ["./wheels/{wheel.name}"]', ""]
     return "\n".join(lines) + "\n"
 
 
@@ -68,12 +68,13 @@ def pack_legacy(wheel, target):
 def main(wheel):
     version = wheel.name.split("-")[1]
     for pack, ending in ((pack_extension, ""), (pack_legacy, "-legacy")):
-        target = wheel.with_name(f"moulage-{version}-{platform()}{ending}.zip")
+        target = wheel.with_name(f"moulage-blender-{version}-{platform(wheel)}{ending}.zip")
         pack(wheel, target)
         print(target)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) < 2:
         sys.exit(__doc__)
-    main(Path(sys.argv[1]))
+    for argument in sys.argv[1:]:
+        main(Path(argument))

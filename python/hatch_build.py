@@ -1,7 +1,7 @@
 """Puts the native library into the wheel: called by hatchling, see pyproject.toml.
 
-The library is the file that MOULAGE_LIBRARY names, else Cargo builds it. It is called through ctypes, so one
-wheel serves every Python 3.
+The library is the file that MOULAGE_LIBRARY names, for the system that MOULAGE_PLATFORM names (as win_amd64),
+else Cargo builds it for this one. It is called through ctypes, so one wheel serves every Python 3.
 """
 
 import json
@@ -34,4 +34,5 @@ class LibraryHook(BuildHookInterface):  # type: ignore[type-arg,unused-ignore]
         library = Path(named) if named else built(Path(self.root))
         build_data["force_include"][str(library)] = f"moulage/{library.name}"
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
+        platform = os.environ.get("MOULAGE_PLATFORM", sysconfig.get_platform())
+        build_data["tag"] = f"py3-none-{platform.replace('-', '_').replace('.', '_')}"

@@ -2,7 +2,7 @@
 # The one test command: installs what the tests need, builds once, runs every part, closes with a table.
 #   tests/run.sh            everything
 #   tests/run.sh quick      before each commit
-#   tests/run.sh core c     some parts
+#   tests/run.sh core c     some parts; windows, sdist and fuzz run only when they are named
 # A part is tests/PART/run.sh; what it prints is in target/tests/PART.log, too.
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -23,13 +23,14 @@ declare -A packages=(
         libgl1-mesa-dri libegl1 libgl1 libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6"
     [meshlab]="python3-venv g++ make cmake binutils xz-utils ca-certificates
         libqt5opengl5-dev libglew-dev libeigen3-dev libgl1 libopengl0"
+    [windows]="debootstrap python3-venv"
     [quick]="tetgen"
     [fuzz]="g++"
 )
 
 parts=("${@:-${all[@]}}")
 for part in "${parts[@]}"; do
-    [ -f "tests/$part/run.sh" ] || { echo "there is no part $part; the parts are ${all[*]} quick fuzz sdist"; exit 2; }
+    [ -f "tests/$part/run.sh" ] || { echo "there is no part $part; the parts are ${all[*]} quick fuzz sdist windows"; exit 2; }
 done
 
 install_packages() {

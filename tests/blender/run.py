@@ -23,13 +23,13 @@ sys.path.insert(0, str(HERE))
 def install(dist):
     """Installs and enables the add-on from its zip; returns its module's name."""
     if bpy.app.version >= (4, 2, 0):
-        (archive,) = (p for p in dist.glob("moulage-*.zip") if not p.stem.endswith("legacy"))
+        (archive,) = (p for p in dist.glob("moulage-blender-*.zip") if not p.stem.endswith("legacy"))
         bpy.ops.extensions.package_install_files(
             filepath=str(archive), repo="user_default", enable_on_install=True
         )
         name = "bl_ext.user_default.moulage"
     else:
-        (archive,) = dist.glob("moulage-*-legacy.zip")
+        (archive,) = dist.glob("moulage-blender-*-legacy.zip")
         bpy.ops.preferences.addon_install(filepath=str(archive))
         name = "moulage_blender"
         bpy.ops.preferences.addon_enable(module=name)

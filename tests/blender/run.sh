@@ -33,7 +33,7 @@ for version in 4.2.23 4.5.15 5.0.1; do
     # Blender's wheels are for Python 3.11.
     venv=$(tests/venv.sh "bpy-$version" python3.11 "bpy==$version" numpy)
     tool=$(echo "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py)
-    "$venv/bin/python" "$tool" validate "$dist"/moulage-*-linux-x64.zip
+    "$venv/bin/python" "$tool" validate "$dist"/moulage-blender-*-linux-x64.zip
     "$venv/bin/python" tests/blender/run.py "$dist"
 done
 

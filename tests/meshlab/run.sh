@@ -10,22 +10,10 @@ rm -rf "$work"
 mkdir -p "$work" "$sources"
 tests/meshlab/sources.sh "$sources"
 
-# The headers of 2025.07 serve 2023.12 too: what the filter uses has the same layout.
-build_filter() {
-    local version=$1 scalar=$2 folder=$work/$1-$2
-    cmake -S meshlab_plugin -B "$folder" -DMESHLAB_SOURCE_DIR="$sources/source" -DMESHLAB_VERSION="$version" \
-        -DMESHLAB_BUILD_WITH_DOUBLE_SCALAR="$([ "$scalar" = double ] && echo ON || echo OFF)" \
-        -DMOULAGE_LIBRARY="$built/libmoulage.a" >/dev/null
-    cmake --build "$folder" -j 2
-    if nm -D --defined-only "$folder/libfilter_moulage.so" | grep -E ' mlg_'; then
-        echo "the library's functions must stay inside the filter"
-        exit 1
-    fi
-}
 # Side by side: each of them reads headers and links most of the time, one step after the other.
 building=()
 for build in "2025.07 double" "2023.12 double" "2025.07 float"; do
-    build_filter $build &
+    meshlab_plugin/build.sh "$sources/source" $build "$built" "$work/${build/ /-}" &
     building+=($!)
 done
 for process in "${building[@]}"; do wait "$process"; done
