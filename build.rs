@@ -5,10 +5,14 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     let [major, minor] = ["MAJOR", "MINOR"]
         .map(|part| std::env::var(format!("CARGO_PKG_VERSION_{part}")).unwrap_or_default());
-    let name = match std::env::var("CARGO_CFG_TARGET_OS").as_deref() {
-        Ok("linux") => format!("-soname,libmoulage.so.{major}.{minor}"),
-        Ok("macos") => format!("-install_name,@rpath/libmoulage.{major}.{minor}.dylib"),
-        _ => return,
+    let arguments = match std::env::var("CARGO_CFG_TARGET_OS").as_deref() {
+        Ok("linux") => vec![format!("-Wl,-soname,libmoulage.so.{major}.{minor}")],
+        Ok("macos") => {
+            vec!["-install_name".into(), format!("@rpath/libmoulage.{major}.{minor}.dylib")]
+        }
+        _ => vec![],
     };
-    println!("cargo:rustc-cdylib-link-arg=-Wl,{name}");
+    for argument in arguments {
+        println!("cargo:rustc-cdylib-link-arg={argument}");
+    }
 }
