@@ -37,7 +37,7 @@ if [ -f "$built/moulage.dll" ]; then
         cp "$built/libmoulage.dll.a" "$built/moulage.lib" "$root/lib"
     fi
 elif [ -f "$built/libmoulage.dylib" ]; then
-    needed="-framework CoreFoundation -liconv"
+    needed="-framework CoreFoundation -lc++ -liconv"
     put "$built/libmoulage.dylib" "lib/libmoulage.$version.dylib" -x
     ln -sf "libmoulage.$version.dylib" "$root/lib/libmoulage.$series.dylib"
     ln -sf "libmoulage.$series.dylib" "$root/lib/libmoulage.dylib"

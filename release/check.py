@@ -17,7 +17,7 @@ SYSTEM = {
     "ELF": {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "libgcc_s.so.1", "ld-linux-x86-64.so.2"},
     "PE": {"kernel32.dll", "ntdll.dll", "bcryptprimitives.dll", "msvcrt.dll", "userenv.dll", "ws2_32.dll", "advapi32.dll"},
     "MACHO": {
-        "/usr/lib/libSystem.B.dylib", "/usr/lib/libiconv.2.dylib",
+        "/usr/lib/libSystem.B.dylib", "/usr/lib/libc++.1.dylib", "/usr/lib/libiconv.2.dylib", "/usr/lib/libobjc.A.dylib",
         "/System/Library/Frameworks/CoreFoundation.framework/Versions/A/CoreFoundation",
     },
 }
@@ -35,13 +35,13 @@ def faults_of_elf(binary):
 
 
 def faults_of_macho(binary):
-    """Named for @rpath, for macOS 11 on arm64 and 10.12 on x64, and signed where the system runs nothing unsigned."""
+    """Named for @rpath, at home in macOS 11, and signed where the system runs nothing unsigned."""
     arm = binary.header.cpu_type == lief.MachO.Header.CPU_TYPE.ARM64
     identity = next(c for c in binary.commands if c.command == lief.MachO.LoadCommand.TYPE.ID_DYLIB)
     if identity.name != f"@rpath/libmoulage.{SERIES}.dylib":
         yield f"is named {identity.name}"
     oldest = binary.build_version.minos if binary.has_build_version else binary.version_min.version
-    if tuple(oldest)[:2] > ((11, 0) if arm else (10, 12)):
+    if tuple(oldest)[:2] > (11, 0):
         yield f"asks for macOS {oldest}"
     if arm and not binary.has_code_signature:
         yield "is not signed"

@@ -28,7 +28,8 @@ make_macos_sdk() {
 for_macos() {
     make_macos_sdk
     # What strips after linking would break the signature; there is nothing for debuggers in it anyway.
-    in_tree "$1" "$2=/moulage/target/cache/macos-sdk/macos-ld" SDKROOT=/moulage/target/cache/macos-sdk CARGO_PROFILE_DIST_STRIP=none
+    in_tree "$1" "$2=/moulage/target/cache/macos-sdk/macos-ld" SDKROOT=/moulage/target/cache/macos-sdk CARGO_PROFILE_DIST_STRIP=none \
+        MACOSX_DEPLOYMENT_TARGET=11.0
 }
 
 case ${1:?linux-x64, windows-x64, macos-arm64 or macos-x64} in
