@@ -40,4 +40,4 @@ else
     cp "$work"/dist/*.whl "$out"
 fi
 cp "$work"/dist/*.tar.gz "$out"
-"$tools/twine" check --strict "$out"/moulage-*.tar.gz "$out"/moulage-*.whl
+"$tools/twine" check --strict "$work"/dist/*.tar.gz "$out"/moulage-*.whl

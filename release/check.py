@@ -70,7 +70,7 @@ def main(paths):
     found = [f"{path}: {fault}" for path in paths for fault in faults(path)]
     for path in paths:
         print(f"checked: {path}")
-    sys.exit("\n".join(found))
+    sys.exit("\n".join(found) or 0)
 
 
 if __name__ == "__main__":
