@@ -23,7 +23,7 @@ if [ -f "$libraries/moulage.dll" ]; then
 elif [ -f "$libraries/libmoulage.dylib" ]; then
     MOULAGE_LIBRARY=$libraries/libmoulage.dylib
 else
-    export MOULAGE_LIBRARY=$work/libmoulage.so
+    MOULAGE_LIBRARY=$work/libmoulage.so
     echo "{ global: mlg_*; local: *; };" >"$work/exported"
     "$tools/python" -m ziglang cc -target "$(uname -m)-linux-gnu.2.17" -shared -s -o "$MOULAGE_LIBRARY" \
         -Wl,--whole-archive "$libraries/libmoulage.a" -Wl,--no-whole-archive \

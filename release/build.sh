@@ -13,8 +13,9 @@ systems=("${@:-}")
 [ -n "${systems[0]}" ] || systems=(linux-x64 windows-x64 macos-arm64 macos-x64)
 # As a wheel names the systems.
 declare -A platforms=([linux-x64]=linux_x86_64 [windows-x64]=win_amd64 [macos-arm64]=macosx_11_0_arm64 [macos-x64]=macosx_11_0_x86_64)
-version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
-export SOURCE_DATE_EPOCH=1577836800
+# What goes into the names, and the times in the archives, for all that is called here.
+VERSION=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+export VERSION SOURCE_DATE_EPOCH=1577836800
 rm -rf dist
 mkdir dist
 packages=(debootstrap gcc g++ cmake make binutils python3-venv xz-utils ca-certificates

@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Packs program, library, headers and CMake package for one system, and checks what was compiled.
+# Packs program, library, headers and CMake package for one system, and checks what was compiled; called by build.sh.
 #   release/package.sh SYSTEM LIBRARIES FOLDER
 set -euo pipefail
 system=$1 built=$(realpath "$2") out=$(realpath "$3")
 cd "$(dirname "$0")/.."
-version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-name=moulage-$version-$system
+name=moulage-$VERSION-$system
 root=$work/$name
 
 case $system in

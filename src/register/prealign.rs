@@ -104,7 +104,7 @@ fn from_labels(template: &Skeleton, areas: &[f64], target: &Target) -> Option<Is
     sums.best_rigid()
 }
 
-/// The orientation as given and the 24 ways to lay one set of principal axes on the other, all with
+/// The orientation as given and the 24 that put one set of principal axes on the other, all with
 /// the centres on each other.
 fn starts(template: &Skeleton, areas: &[f64], surface: &SearchedSurface) -> Vec<Isometry3<f64>> {
     let from = BoneMoments::new(&template.points, areas);

@@ -20,9 +20,7 @@ if [ ! -x "$root/usr/bin/meshlab" ]; then
 fi
 
 built=$(tests/build.sh)
-cmake -S meshlab_plugin -B "$work/2025.07-float" -DMESHLAB_SOURCE_DIR="$work/source" \
-    -DMESHLAB_VERSION=2025.07 -DMOULAGE_LIBRARY="$built/libmoulage.a" >/dev/null
-cmake --build "$work/2025.07-float"
+meshlab_plugin/build.sh "$work/source" 2025.07 float "$built" "$work/2025.07-float"
 plugins=$root/root/.local/share/VCG/MeshLab_64bit_fp/MeshLabExtraPlugins/2025.07
 mkdir -p "$plugins" "$root/session"
 cp "$work/2025.07-float/libfilter_moulage.so" "$plugins/"
