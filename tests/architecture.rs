@@ -21,7 +21,7 @@ const LAYERS: &[&[&str]] = &[
 
 /// The rooms of `job` in the same way.
 const ROOMS: &[&[&str]] = &[
-    &["report", "separate"],
+    &["job_file", "report", "separate"],
     &["images", "register"],
     &["convert", "reshape"],
     &["check", "many"],

@@ -3,6 +3,7 @@
 mod check;
 mod convert;
 mod images;
+mod job_file;
 mod many;
 mod register;
 mod report;

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::error::{Error, Result, Shown};
 use crate::io::{file_name, read_text, stem};
+use crate::job::job_file::parse_job_file;
 use crate::job::register::spec::RegisterJob;
 use crate::job::reshape::spec::{ReshapeJob, one_or_many};
 
@@ -72,11 +73,7 @@ impl AnatomyJob {
 
     /// The same from text; `path` tells where paths start and serves the error sentences.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let document: Document = toml::from_str(text).map_err(|e| {
-            let line = e.span().map(|span| text[..span.start].matches('\n').count() + 1);
-            let message = e.message().split_whitespace().collect::<Vec<_>>().join(" ");
-            Error::parse(path, line, message)
-        })?;
+        let document: Document = parse_job_file(text, path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut skeleton = document.skeleton;
         if let Some(job) = &mut skeleton {

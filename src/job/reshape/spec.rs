@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::align::Freedom;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::read_text;
+use crate::job::job_file::parse_job_file;
 
 /// Whether the template is moved as a whole before it is reshaped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -203,11 +204,7 @@ impl ReshapeJob {
 
     /// The same from text; `path` tells where paths start and serves the error sentences.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let job: Self = toml::from_str(text).map_err(|e| {
-            let line = e.span().map(|span| text[..span.start].matches('\n').count() + 1);
-            let message = e.message().split_whitespace().collect::<Vec<_>>().join(" ");
-            Error::parse(path, line, message)
-        })?;
+        let job: Self = parse_job_file(text, path)?;
         Ok(job.relative_to(path.parent().unwrap_or(Path::new(""))))
     }
 
