@@ -25,7 +25,7 @@ put() {
     "${STRIP:-strip}" "${@:3}" "$root/$2"
 }
 
-# needed: what the static library needs beside itself.
+# needed: what the static library needs beside itself, as a linker's flags.
 if [ -f "$built/moulage.dll" ]; then
     needed="-lntdll -luserenv -lws2_32"
     mkdir -p "$root/bin"
