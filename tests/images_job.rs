@@ -1,6 +1,8 @@
 //! From a label map alone to a person's organ: markers, reshaping, report, comparison.
 #![allow(clippy::unwrap_used)]
 
+mod sphere;
+
 use std::path::{Path, PathBuf};
 
 use moulage::Run;
@@ -10,7 +12,7 @@ use moulage::job::{
     run_reshape, run_slice,
 };
 use moulage::math::Vec3;
-use moulage::mesh::TriMesh;
+use sphere::sphere;
 
 const SIDE: i32 = 40;
 /// Half axes of the organ, mm.
@@ -54,33 +56,8 @@ fn write_images(folder: &Path) -> [PathBuf; 2] {
 
 /// A sphere of radius 20 near the organ.
 fn write_template(path: &Path) {
-    let (rings, sides) = (16, 24);
-    let middle = Vec3::new(11.0, -19.0, 29.0);
-    let mut points = vec![middle + Vec3::z() * 20.0];
-    for r in 1..rings {
-        for s in 0..sides {
-            let polar = std::f64::consts::PI * f64::from(r) / f64::from(rings);
-            let turn = std::f64::consts::TAU * f64::from(s) / f64::from(sides);
-            let unit = Vec3::new(
-                libm::sin(polar) * libm::cos(turn),
-                libm::sin(polar) * libm::sin(turn),
-                libm::cos(polar),
-            );
-            points.push(middle + unit * 20.0);
-        }
-    }
-    points.push(middle - Vec3::z() * 20.0);
-    let at = |r: i32, s: i32| (1 + (r - 1) * sides + s % sides) as u32;
-    let mut triangles = Vec::new();
-    for s in 0..sides {
-        triangles.push([0, at(1, s), at(1, s + 1)]);
-        for r in 1..rings - 1 {
-            triangles.push([at(r, s), at(r + 1, s), at(r + 1, s + 1)]);
-            triangles.push([at(r, s), at(r + 1, s + 1), at(r, s + 1)]);
-        }
-        triangles.push([at(rings - 1, s), points.len() as u32 - 1, at(rings - 1, s + 1)]);
-    }
-    write_surface(path, &TriMesh::new(points, triangles).unwrap()).unwrap();
+    let surface = sphere(Vec3::new(11.0, -19.0, 29.0), 20.0, 16, 24);
+    write_surface(path, &surface).unwrap();
 }
 
 #[test]

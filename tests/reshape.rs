@@ -1,47 +1,18 @@
 //! What a user of `reshape` may rely on, on a ball that becomes an ellipsoid.
 #![allow(clippy::unwrap_used)]
 
+mod sphere;
+
 use std::path::Path;
 
 use moulage::locate::ClosestPoints;
 use moulage::math::{Mat3, Vec3};
-use moulage::mesh::TriMesh;
 use moulage::reshape::{
     Landmark, Marker, Options, Problem, Reshaped, Stop, TemplatePoint, reshape, reshape_again,
 };
 use moulage::tetrahedralize::{self, Method, tetrahedralize};
 use moulage::{Run, TetMesh};
-
-fn ball() -> TriMesh {
-    ball_of(10, 16)
-}
-
-/// A unit ball of longitude-latitude triangles.
-fn ball_of(rows: u32, columns: u32) -> TriMesh {
-    let mut points = vec![Vec3::z(), -Vec3::z()];
-    for i in 1..rows {
-        for j in 0..columns {
-            let theta = std::f64::consts::PI * f64::from(i) / f64::from(rows);
-            let phi = std::f64::consts::TAU * f64::from(j) / f64::from(columns);
-            points.push(Vec3::new(
-                libm::sin(theta) * libm::cos(phi),
-                libm::sin(theta) * libm::sin(phi),
-                libm::cos(theta),
-            ));
-        }
-    }
-    let id = |i: u32, j: u32| 2 + (i - 1) * columns + j % columns;
-    let mut triangles = Vec::new();
-    for j in 0..columns {
-        triangles.push([0, id(1, j), id(1, j + 1)]);
-        triangles.push([1, id(rows - 1, j + 1), id(rows - 1, j)]);
-        for i in 1..rows - 1 {
-            triangles.push([id(i, j), id(i + 1, j), id(i + 1, j + 1)]);
-            triangles.push([id(i, j), id(i + 1, j + 1), id(i, j + 1)]);
-        }
-    }
-    TriMesh::new(points, triangles).unwrap()
-}
+use sphere::sphere;
 
 /// The person: the ball stretched, bent and moved.
 fn truth(p: &Vec3) -> Vec3 {
@@ -49,7 +20,7 @@ fn truth(p: &Vec3) -> Vec3 {
 }
 
 fn problem(scale: f64, placed: impl Fn(&Vec3) -> Vec3) -> Problem {
-    let mut surface = ball();
+    let mut surface = sphere(Vec3::zeros(), 1.0, 10, 16);
     let options =
         tetrahedralize::Options { method: Method::Lattice, tet_count: 1500, ..Default::default() };
     let mut filled = tetrahedralize(&surface, &options, &Run::new()).unwrap();
@@ -338,7 +309,7 @@ fn a_sphere_becomes_a_liver_on_new_tets() {
     let liver = moulage::io::read_surface(&example).unwrap().mesh().unwrap();
     let center = liver.points.iter().sum::<Vec3>() / liver.points.len() as f64;
     let radius = libm::cbrt(liver.volume() * 0.75 / std::f64::consts::PI);
-    let mut sphere = ball_of(18, 36);
+    let mut sphere = sphere(Vec3::zeros(), 1.0, 18, 36);
     for p in &mut sphere.points {
         *p = center + *p * radius;
     }

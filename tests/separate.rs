@@ -1,11 +1,14 @@
 //! Bodies that overlap are pushed apart: what is promised, checked by other means.
 #![allow(clippy::unwrap_used)]
 
+mod sphere;
+
 use moulage::locate::{triangles_cross, winding_number};
 use moulage::math::Vec3;
 use moulage::separate::{Body, Ending, Obstacle, Options, Overlap, Separation, separate};
 use moulage::tetrahedralize::{self, Method, tetrahedralize};
 use moulage::{Run, TetMesh, TriMesh};
+use sphere::sphere;
 
 /// A bar of cubes, each cut into six tets, around `centre`.
 fn bar(name: &str, cells: [usize; 3], size: f64, centre: Vec3) -> Body {
@@ -36,7 +39,7 @@ fn bar(name: &str, cells: [usize; 3], size: f64, centre: Vec3) -> Body {
 
 /// A ball of radius 1 whose surface lies in tets of the lattice.
 fn ball(name: &str, centre: Vec3) -> Body {
-    let surface = sphere(centre);
+    let surface = unit_sphere(centre);
     let options =
         tetrahedralize::Options { method: Method::Lattice, tet_count: 2500, tetgen_path: None };
     let made = tetrahedralize(&surface, &options, &Run::new()).unwrap();
@@ -49,30 +52,8 @@ fn ball(name: &str, centre: Vec3) -> Body {
     }
 }
 
-fn sphere(centre: Vec3) -> TriMesh {
-    let (rings, sides) = (16_u32, 24_u32);
-    let mut points = vec![centre + Vec3::z()];
-    for r in 1..rings {
-        let polar = std::f64::consts::PI * f64::from(r) / f64::from(rings);
-        for s in 0..sides {
-            let turn = std::f64::consts::TAU * f64::from(s) / f64::from(sides);
-            let side = Vec3::new(libm::cos(turn), libm::sin(turn), 0.0) * libm::sin(polar);
-            points.push(centre + side + Vec3::z() * libm::cos(polar));
-        }
-    }
-    let south = points.len() as u32;
-    points.push(centre - Vec3::z());
-    let at = |r: u32, s: u32| 1 + (r - 1) * sides + s % sides;
-    let mut triangles = Vec::new();
-    for s in 0..sides {
-        triangles.push([0, at(1, s), at(1, s + 1)]);
-        for r in 1..rings - 1 {
-            triangles.push([at(r, s), at(r + 1, s), at(r + 1, s + 1)]);
-            triangles.push([at(r, s), at(r + 1, s + 1), at(r, s + 1)]);
-        }
-        triangles.push([south, at(rings - 1, s + 1), at(rings - 1, s)]);
-    }
-    TriMesh::new(points, triangles).unwrap()
+fn unit_sphere(centre: Vec3) -> TriMesh {
+    sphere(centre, 1.0, 16, 24)
 }
 
 /// Every pair of triangles and every vertex, one by one.
@@ -132,7 +113,7 @@ fn two_balls_share_the_way_and_their_far_sides_stay() {
 #[test]
 fn a_body_leaves_a_fixed_one_alone() {
     let bodies = [ball("muscle", Vec3::new(0.0, 0.0, 1.75))];
-    let bone = Obstacle { name: "bone".into(), surface: sphere(Vec3::zeros()) };
+    let bone = Obstacle { name: "bone".into(), surface: unit_sphere(Vec3::zeros()) };
     let result = run(&bodies, std::slice::from_ref(&bone));
     assert!(result.after.is_empty(), "{:?}", result.after);
     let muscle = (&result.surface_points[0][..], &bodies[0].triangles[..]);
@@ -222,7 +203,7 @@ fn a_muscle_leaves_a_bone_that_runs_through_it() {
     for p in &mut muscle.tets.points {
         *p = Vec3::new(0.35 * p.x, 0.6 * p.y, 2.0 * p.z);
     }
-    let mut bone = Obstacle { name: "bone".into(), surface: sphere(Vec3::zeros()) };
+    let mut bone = Obstacle { name: "bone".into(), surface: unit_sphere(Vec3::zeros()) };
     for p in &mut bone.surface.points {
         *p = Vec3::new(0.4 * p.x + 0.2, 0.4 * p.y, 1.6 * p.z + 0.3);
     }
@@ -241,7 +222,7 @@ fn what_cannot_be_parted_ends_with_no_worse_overlap() {
     let bodies = [ball("muscle", Vec3::zeros())];
     let side = |x: f64, name: &str| Obstacle {
         name: name.into(),
-        surface: sphere(Vec3::new(x, 0.02, 0.01)),
+        surface: unit_sphere(Vec3::new(x, 0.02, 0.01)),
     };
     let bones = [side(-0.9, "left bone"), side(0.9, "right bone")];
     let options = Options { rings: 2, max_rounds: 20, ..Options::default() };
