@@ -2,7 +2,7 @@
 # All that is given away, from one command, on Linux (Debian, as root), into dist/:
 #   moulage-VERSION-SYSTEM.tar.gz, .zip            program, library, headers, CMake package, for linux-x64, windows-x64, macos-arm64, macos-x64
 #   moulage-VERSION-py3-none-PLATFORM.whl          the Python package, for each system; moulage-VERSION.tar.gz: its source
-#   moulage-VERSION-SYSTEM[-legacy].zip            the Blender extension; legacy: the add-on for Blender 3.4 to 4.1
+#   moulage-blender-VERSION-SYSTEM[-legacy].zip    the Blender extension; legacy: the add-on for Blender 3.4 to 4.1
 #   moulage-VERSION-meshlab-MESHLAB-PRECISION-linux-x64.zip    the MeshLab filter, for each version and precision
 #   SHA256SUMS
 #   release/build.sh [SYSTEM...]    some systems only
