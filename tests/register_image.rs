@@ -15,7 +15,7 @@ use moulage::locate::ClosestPoints;
 use moulage::math::Vec3;
 use moulage::mesh::bounding_box;
 use moulage::register::rotation::turned_about;
-use moulage::register::{Appearance, Options, Registration, Skeleton, Target, register};
+use moulage::register::{Appearance, Options, Registration, Skeleton, Target, Verdict, register};
 use moulage::volume::Volume;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use synthetic::Looks;
@@ -125,6 +125,39 @@ fn a_finger_is_found_in_an_image_whatever_its_gain() {
     }
     assert!(errors.iter().all(|e| *e < 0.1), "{errors:?}");
     assert!((errors[0] - errors[1]).abs() < 0.02, "{errors:?}");
+}
+
+#[test]
+fn what_begins_further_off_than_is_searched_is_found_by_beginning_again() {
+    let template = finger(3);
+    let reference = image(&template, FINE, 0.04, 1, 1.0);
+    for away in [Translation3::new(12.0, 0.0, 0.0), Translation3::new(0.0, 10.0, 0.0)] {
+        let truth = bent(&template, 10.0, &Isometry3::from(away));
+        let looks = Appearance::profiles(&template, &reference, None).unwrap();
+        let target = Target::image(&template, image(&truth, FINE, 0.04, 77, 1.0), looks).unwrap();
+        let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
+        let error = vertex_error(&found.skeleton, &truth);
+        println!("begun {:.1} mm off: {error:.3} mm", vertex_error(&template, &truth));
+        assert!(error < 0.2, "{error}");
+        assert_eq!(found.judgement.verdict, Verdict::Good, "{:?}", found.judgement);
+    }
+}
+
+#[test]
+fn a_bone_around_which_the_image_is_another_one_is_not_called_good() {
+    let template = finger(2);
+    let looks =
+        Appearance::profiles(&template, &image(&template, FINE, 0.04, 1, 1.0), None).unwrap();
+    let noisy = image(&template, FINE, 1.0, 77, 1.0);
+    let target = Target::image(&template, noisy, looks).unwrap();
+    let found = register(&template, &target, &Options::default(), &Run::new()).unwrap();
+    for bone in &found.bones {
+        assert_eq!(bone.verdict, Verdict::Doubtful, "{bone:?}");
+        assert!(
+            bone.reasons[0].contains("the image is like the reference image by 0."),
+            "{bone:?}"
+        );
+    }
 }
 
 #[test]

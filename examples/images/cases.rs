@@ -10,16 +10,17 @@ use moulage::locate::ClosestPoints;
 use moulage::math::{Mat3, Vec3};
 use moulage::register::elastic::whole_motion;
 use moulage::register::rotation::turned_about;
-use moulage::register::{Options, Skeleton, Target, register};
+use moulage::register::{Bone, Options, Skeleton, Target, register};
 use moulage::volume::{Volume, label_surface};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
+use super::damaged;
 use super::hands::{self, damage};
 use super::synthetic::{Looks, image};
 
 pub enum Truth {
-    /// The place of every vertex.
-    Vertices(Vec<Vec3>),
+    /// The place of every vertex of each bone that the person has.
+    Vertices(Vec<Option<Vec<Vec3>>>),
     /// The surface of each bone, as a label map has it.
     Surfaces(Vec<TriMesh>),
 }
@@ -36,22 +37,25 @@ pub struct Case {
 }
 
 impl Case {
-    /// How far bones are off, by name: root mean square of all vertices, or mean distance from the label's
-    /// surface to the bone.
-    pub fn errors(&self, found: &Skeleton) -> Vec<(String, f64)> {
+    /// How far each bone is off: root mean square of its vertices, or mean distance from the label's surface to
+    /// the bone; none of a bone that the person does not have.
+    pub fn errors(&self, found: &Skeleton) -> Vec<Option<f64>> {
+        let bone = |b: usize| found.bone_surface(b, &found.points);
         match &self.truth {
-            Truth::Vertices(truth) => {
-                vec![("all, vertices rms".into(), hands::vertex_error(&found.points, truth))]
-            }
+            Truth::Vertices(truth) => truth
+                .iter()
+                .enumerate()
+                .map(|(b, truth)| Some(hands::vertex_error(&bone(b).points, truth.as_ref()?)))
+                .collect(),
             Truth::Surfaces(surfaces) => surfaces
                 .iter()
                 .enumerate()
                 .map(|(b, surface)| {
-                    let bone = found.bone_surface(b, &found.points);
+                    let bone = bone(b);
                     let search = ClosestPoints::new(&bone.points, &bone.triangles);
                     let distances = search.closest_many(&surface.points);
                     let sum: f64 = distances.iter().flatten().map(|hit| hit.distance).sum();
-                    (found.bones[b].name.clone(), sum / surface.points.len() as f64)
+                    Some(sum / surface.points.len() as f64)
                 })
                 .collect(),
         }
@@ -60,12 +64,19 @@ impl Case {
 
 pub fn all(data: &Path, chosen: impl Fn(&str) -> bool) -> Vec<Case> {
     let mut cases = hand(data, &chosen);
+    cases.extend(damaged::all(&chosen));
     cases.extend(pelvis(data, &chosen));
     cases
 }
 
+/// The places of the vertices of each bone.
+pub fn vertices(person: &Skeleton) -> Truth {
+    let of = |b: &Bone| Some(person.points[b.vertices.clone()].to_vec());
+    Truth::Vertices(person.bones.iter().map(of).collect())
+}
+
 /// A turn about the axis (1, 1, 1) about the skeleton's middle and a way along (1, -1, 1).
-fn moved(skeleton: &Skeleton, millimetres: f64, degrees: f64) -> Skeleton {
+pub fn moved(skeleton: &Skeleton, millimetres: f64, degrees: f64) -> Skeleton {
     let middle = skeleton.points.iter().sum::<Vec3>() / skeleton.points.len() as f64;
     let turn =
         UnitQuaternion::from_scaled_axis(Vec3::repeat(1.0).normalize() * degrees.to_radians());
@@ -77,7 +88,7 @@ fn moved(skeleton: &Skeleton, millimetres: f64, degrees: f64) -> Skeleton {
 }
 
 /// Computed tomography: bright bone with a brighter cortex.
-const CT: Looks = Looks {
+pub const CT: Looks = Looks {
     cortex: 900.0,
     cortex_depth: 0.9,
     marrow: 350.0,
@@ -90,7 +101,7 @@ const CT: Looks = Looks {
 };
 
 /// Voxels of the hands' images, mm.
-const VOXELS: [f64; 3] = [0.8; 3];
+pub const VOXELS: [f64; 3] = [0.8; 3];
 
 fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
     let folder = data.join("hand_skeleton");
@@ -110,7 +121,7 @@ fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
                 reference_image: own.clone(),
                 start: moved(&person, millimetres, degrees),
                 image: own.clone(),
-                truth: Truth::Vertices(person.points.clone()),
+                truth: vertices(&person),
             });
         }
     }
@@ -124,7 +135,7 @@ fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
                 reference_image: image(&template, VOXELS, &CT, 5, 1.0),
                 start: placed(&template, &other),
                 image: image(&other, VOXELS, &CT, 77 + seed, 1.0),
-                truth: Truth::Vertices(other.points.clone()),
+                truth: vertices(&other),
             });
         }
     }
@@ -132,7 +143,7 @@ fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
 }
 
 /// The template laid on a person as one body.
-fn placed(template: &Skeleton, person: &Skeleton) -> Skeleton {
+pub fn placed(template: &Skeleton, person: &Skeleton) -> Skeleton {
     let alike = vec![1.0; template.points.len()];
     let motion = whole_motion(&template.points, &person.points, &alike);
     let mut start = template.clone();
@@ -195,7 +206,7 @@ fn pelvis_name(cut: bool) -> &'static str {
 }
 
 /// The image mirrored about the plane x = `middle`.
-fn mirror(volume: &Volume, middle: f64) -> Volume {
+pub fn mirror(volume: &Volume, middle: f64) -> Volume {
     let flip = Mat3::from_diagonal(&Vec3::new(-1.0, 1.0, 1.0));
     let origin = flip * volume.origin() + Vec3::new(2.0 * middle, 0.0, 0.0);
     let map = flip * volume.world_from_voxel();

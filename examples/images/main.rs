@@ -1,47 +1,118 @@
-//! Does `register` find bones in images, and does no run end farther off than it began? Prints the table of
-//! `docs/images.md`; the folder holds cases as the project's data set does.
+//! Does `register` find bones in images, does no run end farther off than it began, and does the verdict say
+//! which bones are wrong? Prints the table of `docs/images.md`; the folder holds cases as the project's data
+//! set does.
 //!
 //! `cargo run --release --example images -- FOLDER [PART OF A CASE'S NAME...]`
+//!
+//! With `MOULAGE_IMAGE_BONES=FILE` it writes a line for each bone: error, likeness, verdict, reasons.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 mod cases;
+mod damaged;
 #[path = "../../tests/hands/mod.rs"]
 mod hands;
 #[path = "../../tests/synthetic/mod.rs"]
 mod synthetic;
 
+use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
 use cases::Case;
 use moulage::Run;
-use moulage::register::{Appearance, Options, Target, register};
+use moulage::mesh::normals::{area_vectors, vertex_normals};
+use moulage::register::{Appearance, Options, Registered, Target, Verdict, register};
+
+/// A bone that is further off than this, mm, is wrong,
+const WRONG: f64 = 2.0;
+/// and one that is no further off than this is right.
+const RIGHT: f64 = 1.0;
+/// So many bones have an error each in the table.
+const FEW: usize = 3;
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or_else(|| "../shared/data".into());
     let names: Vec<String> = arguments.collect();
-    println!("| case | bone | start, mm | profiles | s | verdict |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| case | start, mm | found | wrong bones, named | right bones, named | the whole | s |"
+    );
+    println!("|---|---|---|---|---|---|---|");
     let chosen = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
+    let mut lines = String::from("case\tbone\tstart\terror\tlikeness\tseen\tverdict\treasons\n");
     for case in cases::all(Path::new(&folder), chosen) {
-        run(&case);
+        run(&case, &mut lines);
+    }
+    if let Some(path) = std::env::var_os("MOULAGE_IMAGE_BONES") {
+        std::fs::write(path, lines).unwrap();
     }
 }
 
-fn run(case: &Case) {
+/// The errors of a few bones, of many their root mean square.
+fn shown(errors: &[Option<f64>]) -> String {
+    let known: Vec<f64> = errors.iter().flatten().copied().collect();
+    if known.len() <= FEW {
+        return known.iter().map(|e| format!("{e:.2}")).collect::<Vec<_>>().join(", ");
+    }
+    let squares: f64 = known.iter().map(|e| e * e).sum();
+    format!("{:.2}", (squares / known.len() as f64).sqrt())
+}
+
+fn run(case: &Case, lines: &mut String) {
     let looks = Appearance::profiles(&case.reference, &case.reference_image, None).unwrap();
-    let target = Target::image(&case.start, case.image.clone(), looks).unwrap();
+    let target = Target::image(&case.start, case.image.clone(), looks.clone()).unwrap();
     let started = Instant::now();
     let found = register(&case.start, &target, &Options::default(), &Run::new()).unwrap();
     let seconds = started.elapsed().as_secs_f64();
-    let verdict = found.judgement.verdict.name();
     let (before, after) = (case.errors(&case.start), case.errors(&found.skeleton));
-    for ((bone, start), (_, end)) in before.into_iter().zip(after) {
-        let mark = if end > start + 0.005 { " !" } else { "" };
-        println!(
-            "| {} | {bone} | {start:.2} | {end:.2}{mark} | {seconds:.0} | {verdict} |",
-            case.name
-        );
+    let likeness = likeness(case, &looks, &found);
+    let mut counts = [[0; 2]; 2];
+    for (b, bone) in found.bones.iter().enumerate() {
+        let named = usize::from(bone.verdict > Verdict::Good);
+        let error = after[b].unwrap_or(f64::INFINITY);
+        if error > WRONG {
+            counts[0][0] += 1;
+            counts[0][1] += named;
+        } else if error <= RIGHT {
+            counts[1][0] += 1;
+            counts[1][1] += named;
+        }
+        writeln!(
+            lines,
+            "{}\t{}\t{:.2}\t{error:.2}\t{:.3}\t{:.2}\t{}\t{}",
+            case.name,
+            bone.name,
+            before[b].unwrap_or(f64::NAN),
+            likeness[b],
+            bone.seen,
+            bone.verdict.name(),
+            bone.reasons.join("; ")
+        )
+        .unwrap();
     }
+    println!(
+        "| {} | {} | {} | {} of {} | {} of {} | {} | {seconds:.0} |",
+        case.name,
+        shown(&before),
+        shown(&after),
+        counts[0][1],
+        counts[0][0],
+        counts[1][1],
+        counts[1][0],
+        found.judgement.verdict.name()
+    );
+}
+
+/// The mean over each bone's vertices.
+fn likeness(case: &Case, looks: &Appearance, found: &Registered) -> Vec<f64> {
+    let Appearance::Profiles(profiles) = looks else { return Vec::new() };
+    let skeleton = &found.skeleton;
+    let faces = area_vectors(&skeleton.points, &skeleton.triangles);
+    let normals = vertex_normals(skeleton.points.len(), &skeleton.triangles, &faces);
+    let all = profiles.likeness(&case.image, &skeleton.points, &normals);
+    let mean = |range: std::ops::Range<usize>| {
+        let own: Vec<f64> = all[range].iter().flatten().copied().collect();
+        own.iter().sum::<f64>() / own.len() as f64
+    };
+    skeleton.bones.iter().map(|bone| mean(bone.vertices.clone())).collect()
 }

@@ -208,8 +208,8 @@ pub unsafe extern "C" fn mlg_registration_set_bone_target(
 }
 
 /// Sets an image of the person in place of surfaces. `reference`: an image of the same protocol in which
-/// the template lies on the bones. In `person` it must lie near them: the search begins with a tenth of
-/// its diagonal, and nothing else is tried, whatever `align` says. Millimetres, RAS.
+/// the template lies on the bones. In `person` it must lie near them: a tenth of its diagonal is
+/// searched, and again from where that ends, whatever `align` says. Millimetres, RAS.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_registration_set_image(
     problem: *mut MlgRegistration,

@@ -33,10 +33,15 @@ impl Attempt {
     /// The first one.
     pub(super) const PLAIN: Self =
         Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0, reach: None };
-    /// The only one in an image: much there looks like a bone, so far pairs are trusted less from the
-    /// beginning.
-    pub(super) const IN_IMAGE: Self = Self { to: 1.0, robust: Some(NEAR_FACTOR), ..Self::PLAIN };
-    /// The same to the mirrored target.
+    /// In an image, on the levels on which bones are rigid: much there looks like a bone, so far pairs are
+    /// trusted less from the beginning.
+    pub(super) const IN_IMAGE: Self = Self { to: 0.4, robust: Some(NEAR_FACTOR), ..Self::PLAIN };
+    /// The same, from where that ended.
+    pub(super) const IN_IMAGE_AGAIN: Self =
+        Self { name: "again: ", from: 0.4, to: 0.55, ..Self::IN_IMAGE };
+    /// The levels after those.
+    pub(super) const FINER_IN_IMAGE: Self = Self { from: 0.7, to: 0.95, ..Self::IN_IMAGE };
+    /// The first one to the mirrored target.
     pub(super) const MIRRORED: Self =
         Self { name: "mirrored: ", from: 0.6, to: 0.7, ..Self::PLAIN };
     const NEAR: Self = Self {
@@ -57,6 +62,12 @@ impl Attempt {
     /// The same with images searched this far.
     pub(super) fn searching(self, reach: f64) -> Self {
         Self { reach: Some(reach), ..self }
+    }
+
+    /// The next one of its kind, with half of what is left of their part of the progress.
+    pub(super) fn followed(self) -> Self {
+        let end = Self::FINER_IN_IMAGE.from;
+        Self { from: self.to, to: f64::midpoint(self.to, end), ..self }
     }
 
     /// Says that a stage begins at a share of this attempt.

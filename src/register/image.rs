@@ -30,8 +30,7 @@ impl Appearance {
     /// \[10 of the image's smallest voxel sizes, 8 mm at most\].
     pub fn profiles(template: &Skeleton, reference: &Volume, reach: Option<f64>) -> Result<Self> {
         let voxel = reference.spacing().min();
-        let faces = area_vectors(&template.points, &template.triangles);
-        let normals = vertex_normals(template.points.len(), &template.triangles, &faces);
+        let normals = normals_of(&template.points, &template.triangles);
         let reach = reach.unwrap_or((PROFILE_VOXELS * voxel).min(LONGEST_PROFILE));
         let step = (PROFILE_STEP * voxel).min(reach);
         let profiles = Profiles::new(reference, &template.points, &normals, reach, step)?;
@@ -63,6 +62,10 @@ impl Appearance {
             Self::Moments(_) => 0.2,
         }
     }
+}
+
+fn normals_of(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    vertex_normals(points.len(), triangles, &area_vectors(points, triangles))
 }
 
 /// A person's image with what to look for in it.
@@ -111,9 +114,11 @@ impl ImageTarget {
 
     /// How like the template's surroundings in its own image the person's image is around each point; none
     /// where nothing can be said.
-    pub fn likeness(&self, points: &[Vec3], normals: &[Vec3]) -> Vec<Option<f64>> {
+    pub fn likeness(&self, points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Option<f64>> {
         match (&*self.appearance, &self.features) {
-            (Appearance::Profiles(profiles), _) => profiles.likeness(&self.volume, points, normals),
+            (Appearance::Profiles(profiles), _) => {
+                profiles.likeness(&self.volume, points, &normals_of(points, triangles))
+            }
             (Appearance::Moments(moments), Some(grids)) => moments.likeness(grids, points),
             (Appearance::Moments(_), None) => vec![None; points.len()],
         }

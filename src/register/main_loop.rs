@@ -75,6 +75,11 @@ impl Registration {
         if near.is_some() {
             search_coarse = self.search(target, START_SPACING * self.diagonal);
         }
+        if let Some(image) = &target.image {
+            let (state, trace) = self.find_in_image(image, state, target, run);
+            run.enter("joints and residuals", 0.95);
+            return Some(self.finish(state, target, trace, run.is_cancelled()));
+        }
         let bone_count = self.template.bones.len();
         let pieces = self.options.own_pieces.then(|| Pieces::new(target, bone_count)).flatten();
         let mut owned: Option<Owned> = None;
@@ -92,8 +97,9 @@ impl Registration {
                 }
                 None => search_coarse.resampled(&template.points, areas, level.spacing),
             };
-            trace.push(self.go_through(level, attempt, &mut search, &mut state, run));
-            if level.repaired && target.image.is_none() {
+            let most = level.most_updates;
+            trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
+            if level.repaired {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
             if let Some(pieces) = pieces.as_ref().filter(|_| level.springs.is_none()) {
@@ -188,7 +194,7 @@ impl Registration {
         pairs.weight.iter().zip(&self.areas).map(|(w, area)| w + UNSEEN_WEIGHT * area).collect()
     }
 
-    fn largest_bone_move(&self, before: &[Vec3], after: &[Vec3]) -> f64 {
+    pub(super) fn largest_bone_move(&self, before: &[Vec3], after: &[Vec3]) -> f64 {
         let mean = |range: std::ops::Range<usize>| {
             let count = range.len().max(1) as f64;
             range.map(|i| (after[i] - before[i]).norm()).sum::<f64>() / count

@@ -12,6 +12,8 @@ use crate::register::target::Target;
 const UNSEEN: [f64; 2] = [0.7, 0.95];
 /// The same of a bone that the target has no surface for: always doubtful, never failed.
 const NO_DATA: [f64; 2] = [0.0, 1.0];
+/// How much the image around a bone differs from the reference image: 1 less their likeness.
+const UNLIKE: [f64; 2] = [0.4, 0.7];
 /// Share of a bone that lies where another bone lies.
 const SHARED: [f64; 2] = [0.05, 0.3];
 /// Target beside a bone that lies on no bone, as a share of the bone's area.
@@ -33,16 +35,42 @@ const TURNED: [f64; 2] = [8.0, 40.0];
 /// Distance of a landmark from its place as a share of its bone's radius.
 const MISSED: [f64; 2] = [0.5, 1.5];
 
-/// Share of bone `b`'s vertices that found something like them in the image, and what it says.
-pub(super) fn image_findings(evidence: &Evidence, b: usize) -> (f64, Vec<Finding>) {
+/// Share of bone `b`'s vertices that found something like them in the image, and what the image says of it.
+/// `likeness`: of each vertex, see [`ImageTarget::likeness`](crate::register::image::ImageTarget::likeness).
+pub(super) fn image_findings(
+    evidence: &Evidence,
+    likeness: &[Option<f64>],
+    b: usize,
+) -> (f64, Vec<Finding>) {
     let range = evidence.result.bones[b].vertices.clone();
     let count = range.len().max(1) as f64;
-    let share = evidence.pairs.trust[range].iter().sum::<f64>() / count;
-    let reason = format!(
-        "the image shows what the template shows on {:.0} % of it only; look at it on slices",
-        100.0 * share
-    );
-    (share, vec![Finding::new(1.0 - share, UNSEEN, reason)])
+    let share = evidence.pairs.trust[range.clone()].iter().sum::<f64>() / count;
+    let mut findings = vec![Finding::new(
+        1.0 - share,
+        UNSEEN,
+        format!(
+            "the image shows what the template shows on {:.0} % of it only; look at it on slices",
+            100.0 * share
+        ),
+    )];
+    let (mut sum, mut area) = (0.0, 0.0);
+    for i in range {
+        if let Some(like) = likeness[i] {
+            sum += evidence.areas[i] * like;
+            area += evidence.areas[i];
+        }
+    }
+    if area > 0.0 {
+        let likeness = sum / area;
+        findings.push(Finding::new(
+            1.0 - likeness,
+            UNLIKE,
+            format!(
+                "around it the image is like the reference image by {likeness:.2} only (1 is the same); look at it on slices, and whether the two images are of one kind"
+            ),
+        ));
+    }
+    (share, findings)
 }
 
 /// Share of bone `b` that lies on the target, and what the target says of it.

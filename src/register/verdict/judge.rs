@@ -1,6 +1,6 @@
 //! The verdict on each bone.
 
-use super::coverage::coverage;
+use super::coverage::{Coverage, coverage};
 use super::distortion::distortions;
 use super::evidence::Evidence;
 use super::findings::{image_findings, shape_findings, surface_findings};
@@ -17,17 +17,13 @@ pub(in crate::register) fn judge_bones(
     evidence: &Evidence,
 ) -> (Vec<(Judgement, f64)>, Option<f64>) {
     let changes = distortions(evidence.template, evidence.areas, &evidence.result.points);
-    let seen = evidence
-        .target
-        .image
-        .is_none()
-        .then(|| coverage(evidence.result, evidence.areas, evidence.target));
+    let shown = Shown::new(evidence);
     let mut shares = Vec::new();
     let mut findings: Vec<Vec<Finding>> = Vec::new();
     for b in 0..changes.len() {
-        let (share, mut own) = match &seen {
-            None => image_findings(evidence, b),
-            Some(coverage) => surface_findings(evidence.target, coverage, b, &changes[b]),
+        let (share, mut own) = match &shown {
+            Shown::InImage(likeness) => image_findings(evidence, likeness, b),
+            Shown::OnSurface(seen) => surface_findings(evidence.target, seen, b, &changes[b]),
         };
         own.extend(shape_findings(evidence, &changes, b));
         shares.push(share);
@@ -36,7 +32,28 @@ pub(in crate::register) fn judge_bones(
     blame(&mut findings);
     spread_doubt(evidence.template, &mut findings);
     let judgements = findings.into_iter().map(Judgement::new);
-    (judgements.zip(shares).collect(), seen.map(|coverage| coverage.explained))
+    let explained = match &shown {
+        Shown::InImage(_) => None,
+        Shown::OnSurface(seen) => Some(seen.explained),
+    };
+    (judgements.zip(shares).collect(), explained)
+}
+
+/// What the target shows of the result.
+enum Shown {
+    /// How like the reference image the image is around each vertex.
+    InImage(Vec<Option<f64>>),
+    OnSurface(Coverage),
+}
+
+impl Shown {
+    fn new(evidence: &Evidence) -> Self {
+        let result = evidence.result;
+        match &evidence.target.image {
+            Some(image) => Self::InImage(image.likeness(&result.points, &result.triangles)),
+            None => Self::OnSurface(coverage(result, evidence.areas, evidence.target)),
+        }
+    }
 }
 
 /// Where two bones do not go together and something else speaks against one of them, it is that one.
