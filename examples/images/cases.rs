@@ -16,7 +16,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use super::damaged;
 use super::hands::{self, damage};
-use super::synthetic::{Looks, image};
+use super::person::Person;
+use super::synthetic::Looks;
 
 pub enum Truth {
     /// The place of every vertex of each bone that the person has.
@@ -128,27 +129,12 @@ fn hand(data: &Path, chosen: &impl Fn(&str) -> bool) -> Vec<Case> {
     for seed in [1, 2] {
         let name = format!("hand, another person {seed}");
         if chosen(&name) {
-            let other = hands::in_a_pose(&hands::person(&template, seed, 0.5, 0.3), seed, 0.15);
-            cases.push(Case {
-                name,
-                reference: template.clone(),
-                reference_image: image(&template, VOXELS, &CT, 5, 1.0),
-                start: placed(&template, &other),
-                image: image(&other, VOXELS, &CT, 77 + seed, 1.0),
-                truth: vertices(&other),
-            });
+            let person = Person::new(seed, 0.15);
+            let seen = person.seen(&person.bones, VOXELS, &CT);
+            cases.push(person.case(&name, &person.start(), seen));
         }
     }
     cases
-}
-
-/// The template laid on a person as one body.
-pub fn placed(template: &Skeleton, person: &Skeleton) -> Skeleton {
-    let alike = vec![1.0; template.points.len()];
-    let motion = whole_motion(&template.points, &person.points, &alike);
-    let mut start = template.clone();
-    start.move_bones(&vec![motion; template.bones.len()]);
-    start
 }
 
 /// The right side of a CT, found from its mirrored left side.

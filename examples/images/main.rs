@@ -8,9 +8,12 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 mod cases;
+#[path = "../verdict/counts.rs"]
+mod counts;
 mod damaged;
 #[path = "../../tests/hands/mod.rs"]
 mod hands;
+mod person;
 #[path = "../../tests/synthetic/mod.rs"]
 mod synthetic;
 
@@ -19,14 +22,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use cases::Case;
+use counts::Counts;
 use moulage::Run;
 use moulage::mesh::normals::{area_vectors, vertex_normals};
 use moulage::register::{Appearance, Options, Registered, Target, Verdict, register};
 
-/// A bone that is further off than this, mm, is wrong,
+/// A bone that is further off than this, mm, is wrong.
 const WRONG: f64 = 2.0;
-/// and one that is no further off than this is right.
-const RIGHT: f64 = 1.0;
 /// So many bones have an error each in the table.
 const FEW: usize = 3;
 
@@ -40,9 +42,11 @@ fn main() {
     println!("|---|---|---|---|---|---|---|");
     let chosen = |name: &str| names.is_empty() || names.iter().any(|part| name.contains(part));
     let mut lines = String::from("case\tbone\tstart\terror\tlikeness\tseen\tverdict\treasons\n");
+    let mut all = Counts::default();
     for case in cases::all(Path::new(&folder), chosen) {
-        run(&case, &mut lines);
+        all.join(&run(&case, &mut lines));
     }
+    println!("\n{}", all.summary());
     if let Some(path) = std::env::var_os("MOULAGE_IMAGE_BONES") {
         std::fs::write(path, lines).unwrap();
     }
@@ -58,7 +62,8 @@ fn shown(errors: &[Option<f64>]) -> String {
     format!("{:.2}", (squares / known.len() as f64).sqrt())
 }
 
-fn run(case: &Case, lines: &mut String) {
+/// Runs one case and prints its row.
+fn run(case: &Case, lines: &mut String) -> Counts {
     let looks = Appearance::profiles(&case.reference, &case.reference_image, None).unwrap();
     let target = Target::image(&case.start, case.image.clone(), looks.clone()).unwrap();
     let started = Instant::now();
@@ -66,17 +71,10 @@ fn run(case: &Case, lines: &mut String) {
     let seconds = started.elapsed().as_secs_f64();
     let (before, after) = (case.errors(&case.start), case.errors(&found.skeleton));
     let likeness = likeness(case, &looks, &found);
-    let mut counts = [[0; 2]; 2];
+    let mut counts = Counts::default();
     for (b, bone) in found.bones.iter().enumerate() {
-        let named = usize::from(bone.verdict > Verdict::Good);
         let error = after[b].unwrap_or(f64::INFINITY);
-        if error > WRONG {
-            counts[0][0] += 1;
-            counts[0][1] += named;
-        } else if error <= RIGHT {
-            counts[1][0] += 1;
-            counts[1][1] += named;
-        }
+        counts.add(error, WRONG, bone.verdict > Verdict::Good);
         writeln!(
             lines,
             "{}\t{}\t{:.2}\t{error:.2}\t{:.3}\t{:.2}\t{}\t{}",
@@ -91,16 +89,13 @@ fn run(case: &Case, lines: &mut String) {
         .unwrap();
     }
     println!(
-        "| {} | {} | {} | {} of {} | {} of {} | {} | {seconds:.0} |",
+        "| {} | {} | {} | {counts} | {} | {seconds:.0} |",
         case.name,
         shown(&before),
         shown(&after),
-        counts[0][1],
-        counts[0][0],
-        counts[1][1],
-        counts[1][0],
         found.judgement.verdict.name()
     );
+    counts
 }
 
 /// The mean over each bone's vertices.

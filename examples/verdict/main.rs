@@ -8,6 +8,7 @@
 #![allow(clippy::print_stdout, clippy::panic, clippy::unwrap_used)]
 
 mod cases;
+mod counts;
 #[path = "../../tests/hands/mod.rs"]
 mod hands;
 
@@ -16,43 +17,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use cases::{Case, Truth};
+use counts::Counts;
 use moulage::Run;
 use moulage::locate::ClosestPoints;
 use moulage::register::{Options, Registered, Verdict, register};
 
-/// A bone that is no further off than this, mm, is right.
-const RIGHT: f64 = 1.0;
-
 /// A bone of which the target shows this share is shown; of which it shows no more than the rest of it, is not.
 const SHOWN: f64 = 0.9;
-
-/// Bones by what they are and what is said of them.
-#[derive(Default)]
-struct Counts {
-    wrong: usize,
-    wrong_named: usize,
-    right: usize,
-    right_named: usize,
-}
-
-impl Counts {
-    fn add(&mut self, error: f64, case: &Case, b: usize, named: bool) {
-        if error > case.wrong {
-            self.wrong += 1;
-            self.wrong_named += usize::from(named);
-        } else if error <= RIGHT && !matches!(case.truth[b], Some(Truth::Part(_))) {
-            self.right += 1;
-            self.right_named += usize::from(named);
-        }
-    }
-
-    fn join(&mut self, other: &Self) {
-        self.wrong += other.wrong;
-        self.wrong_named += other.wrong_named;
-        self.right += other.right;
-        self.right_named += other.right_named;
-    }
-}
 
 /// How far bone `b` is off: root mean square of its vertices, or mean distance from the true surface.
 fn error(case: &Case, found: &Registered, b: usize) -> Option<f64> {
@@ -89,16 +60,7 @@ fn main() {
             all.join(&run(&case, &mut lines));
         }
     }
-    let named = all.wrong_named + all.right_named;
-    println!(
-        "\nrecall {:.3} ({} of {} wrong bones named), precision {:.3} ({} of {} named bones wrong)",
-        all.wrong_named as f64 / all.wrong.max(1) as f64,
-        all.wrong_named,
-        all.wrong,
-        all.wrong_named as f64 / named.max(1) as f64,
-        all.wrong_named,
-        named
-    );
+    println!("\n{}", all.summary());
     if let Some(path) = std::env::var_os("MOULAGE_VERDICT_BONES") {
         std::fs::write(path, lines).unwrap();
     }
@@ -131,7 +93,10 @@ fn run(case: &Case, lines: &mut String) -> Counts {
     let mut errors: [Vec<f64>; 3] = Default::default();
     for (b, bone) in found.bones.iter().enumerate() {
         let Some(error) = error(case, &found, b) else { continue };
-        counts.add(error, case, b, bone.verdict > Verdict::Good);
+        // A part does not tell that the rest is right.
+        if error > case.wrong || !matches!(case.truth[b], Some(Truth::Part(_))) {
+            counts.add(error, case.wrong, bone.verdict > Verdict::Good);
+        }
         let place = match case.shown[b] {
             shown if shown >= SHOWN => 0,
             shown if shown > 1.0 - SHOWN => 1,
@@ -149,13 +114,9 @@ fn run(case: &Case, lines: &mut String) -> Counts {
         .unwrap();
     }
     println!(
-        "| {} | {} | {} of {} | {} of {} | {}{} | {seconds:.1} |",
+        "| {} | {} | {counts} | {}{} | {seconds:.1} |",
         case.name,
         errors.each_ref().map(|errors| rms(errors)).join(" | "),
-        counts.wrong_named,
-        counts.wrong,
-        counts.right_named,
-        counts.right,
         found.judgement.verdict.name(),
         if case.refused { " (NOT REFUSED)" } else { "" }
     );

@@ -31,18 +31,20 @@ impl Registration {
         let begin = state.reference.clone();
         let likeness = |state: &State| image.likeness(&state.points, &begin.triangles);
         let mut trace = self.go_over(rigid, Attempt::IN_IMAGE, target, &mut state, run);
+        let mut liked = likeness(&state);
         let mut attempt = Attempt::IN_IMAGE_AGAIN;
         for _ in 0..AGAIN {
             if run.is_cancelled() {
                 break;
             }
-            let mut other = State::at(self.laid_on(&state.points, &likeness(&state), &begin));
+            let mut other = State::at(self.laid_on(&state.points, &liked, &begin));
             let other_trace = self.go_over(rigid, attempt, target, &mut other, run);
-            if !self.is_better(&likeness(&other), &likeness(&state)) {
+            let likeness = likeness(&other);
+            if !self.is_better(&likeness, &liked) {
                 break;
             }
             let apart = self.largest_bone_move(&state.points, &other.points);
-            (state, trace) = (other, other_trace);
+            (state, trace, liked) = (other, other_trace, likeness);
             if apart < self.options.image_reach[1] * self.diagonal {
                 break;
             }
