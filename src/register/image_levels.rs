@@ -26,8 +26,10 @@ impl Registration {
         target: &Target,
         run: &Run,
     ) -> (State, Vec<LevelTrace>) {
-        let rigid = self.levels.partition_point(|level| level.radius.is_infinite());
-        let (rigid, finer) = self.levels.split_at(rigid);
+        // What is noise and what is shape between bones and an image, nothing tells.
+        let levels = &self.levels[..self.levels.partition_point(|level| !level.for_detail)];
+        let (rigid, finer) =
+            levels.split_at(levels.partition_point(|level| level.radius.is_infinite()));
         let begin = state.reference.clone();
         let likeness = |state: &State| image.likeness(&state.points, &begin.triangles);
         let mut trace = self.go_over(rigid, Attempt::IN_IMAGE, target, &mut state, run);

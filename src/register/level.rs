@@ -9,6 +9,8 @@ use super::pairs::PairRules;
 pub(super) struct Level {
     pub(super) radius: f64,
     pub(super) elastic: Elastic,
+    /// Only where what is left to the target is shape, not noise.
+    pub(super) for_detail: bool,
     /// No cluster spans bones: each has found its place.
     pub(super) bones_apart: bool,
     pub(super) rules: PairRules,

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use super::attempts::Attempt;
 use super::correspond::{Correspond, Correspondences};
+use super::detail;
 use super::level::Level;
 use super::options::{Options, Schedule};
 use super::owners::{Owned, Pieces};
@@ -21,6 +22,7 @@ use super::summary::{LevelTrace, Registered};
 use super::target::Target;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::mesh::adjacency::edges;
 use crate::run::Run;
 
 /// Registers `template` to `target` in one call.
@@ -97,6 +99,9 @@ impl Registration {
                 }
                 None => search_coarse.resampled(&template.points, areas, level.spacing),
             };
+            if level.for_detail && !self.has_detail_left(&mut search, &state.points, level) {
+                break;
+            }
             let most = level.most_updates;
             trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
             if level.repaired {
@@ -120,6 +125,13 @@ impl Registration {
     fn levels_for(&self, target: &Target) -> Vec<&Level> {
         let usable = |level: &&Level| level.springs.is_none() || !target.is_labelled();
         self.levels.iter().filter(usable).collect()
+    }
+
+    /// Whether a finer level would follow the target's shape, not its noise.
+    fn has_detail_left(&self, search: &mut Correspond, points: &[Vec3], level: &Level) -> bool {
+        let pairs = search.at(points, &PairRules { robust: None, ..level.rules });
+        let edges = edges(&self.template.triangles);
+        detail::is_left(&pairs, points, &edges, self.options.tolerance * self.diagonal)
     }
 
     pub(super) fn run_level(

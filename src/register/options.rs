@@ -52,8 +52,8 @@ pub struct Options {
     pub schedule: Schedule,
     /// Last levels with clusters bone by bone, stricter normals and robust weights.
     pub refine_bones: bool,
-    /// Their smallest radius in mean edge lengths, halving from the last joint level. Smaller follows
-    /// the target more closely, noise too.
+    /// Their smallest radius in mean edge lengths, halving from the last joint level. Clusters are halved
+    /// further only where what is left is shape, not noise.
     pub finest_in_edges: f64,
     /// Clusters never span bones, at any level (an ablation; it loses bones).
     pub separate_bones: bool,

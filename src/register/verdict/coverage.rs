@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::locate::ClosestPoints;
-use crate::math::median;
+use crate::locate::{ClosestPoints, NearestPoints};
+use crate::math::{Vec3, median};
 use crate::mesh::normals::{area_vectors, unit_or_zero, vertex_normals};
+use crate::register::penetration::shares_inside_others;
 use crate::register::samples::Samples;
 use crate::register::skeleton::Skeleton;
 use crate::register::surface::SearchedSurface;
@@ -23,6 +24,9 @@ const NOISE_FACTOR: f64 = 4.0;
 const SMALLEST_TOLERANCE: f64 = 0.002;
 /// A middle distance beyond this share of the diagonal is no noise.
 const LARGEST_TOLERANCE: f64 = 0.008;
+
+/// Where less than this share of a bone lies on the target, that is chance: a neighbour's surface.
+const CHANCE: f64 = 0.05;
 
 /// A place of one surface seen from the other one.
 struct Sight {
@@ -54,7 +58,11 @@ pub(super) struct Coverage {
 pub(super) struct BoneCoverage {
     /// Share of the bone that lies on the target.
     pub(super) seen: f64,
-    /// Share of the bone that lies on a place of the target on which another bone lies, nearer than it.
+    /// Distance of the bone's places to the nearest of them that lies on the target (0 for those that do),
+    /// root mean square; infinite where next to none does.
+    pub(super) from_seen: f64,
+    /// Share of the bone that lies on a place of the target on which another bone lies, nearer than it,
+    /// beyond the share that lies inside other bones in the template.
     pub(super) shared: f64,
     /// Target that lies nearest to this bone but not on it, as a share of the bone's area.
     pub(super) unexplained: f64,
@@ -71,7 +79,13 @@ struct Look<'a> {
     triangles: Range<usize>,
 }
 
-pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> Coverage {
+/// `skeleton` is the result; `areas` are those of the template's vertices.
+pub(super) fn coverage(
+    template: &Skeleton,
+    skeleton: &Skeleton,
+    areas: &[f64],
+    target: &Target,
+) -> Coverage {
     let bone_of = skeleton.bone_of_vertex();
     let looks = looks(skeleton, target);
     let sights: Vec<_> = looks.iter().map(|look| look.sights(skeleton, areas, &bone_of)).collect();
@@ -111,14 +125,39 @@ pub(super) fn coverage(skeleton: &Skeleton, areas: &[f64], target: &Target) -> C
             }
         }
     }
+    for (forward, _) in &sights {
+        add_distances_from_seen(&mut bones, &skeleton.points, forward, &lies_on);
+    }
+    let overlapping = shares_inside_others(template, areas);
     for (b, bone) in bones.iter_mut().enumerate() {
         let area: f64 = areas[skeleton.bones[b].vertices.clone()].iter().sum();
         bone.seen /= area;
-        bone.shared /= area;
+        let by_chance = bone.seen < CHANCE;
+        bone.from_seen = if by_chance { f64::INFINITY } else { (bone.from_seen / area).sqrt() };
+        bone.shared = (bone.shared / area - overlapping[b]).max(0.0);
         bone.unexplained /= area;
         bone.forward = if bone.faced > 0.0 { (bone.forward / bone.faced).sqrt() } else { 0.0 };
     }
     Coverage { bones, explained: explained / whole, middle }
+}
+
+/// Adds the squared distances of bones' places, seen from the template, to the nearest of the same bone that
+/// lies on the target.
+fn add_distances_from_seen(
+    bones: &mut [BoneCoverage],
+    points: &[Vec3],
+    sights: &[Sight],
+    lies_on: &impl Fn(&Sight) -> bool,
+) {
+    // A bone's places follow each other.
+    for own in sights.chunk_by(|a, b| a.bone == b.bone) {
+        let (seen, unseen): (Vec<_>, Vec<_>) = own.iter().partition(|sight| lies_on(sight));
+        let seen = NearestPoints::new(&seen.iter().map(|s| points[s.at]).collect::<Vec<_>>());
+        for sight in unseen {
+            let distance = seen.nearest(&points[sight.at]).map_or(f64::INFINITY, |(_, d)| d);
+            bones[sight.bone].from_seen += sight.area * distance.powi(2);
+        }
+    }
 }
 
 fn looks<'a>(skeleton: &Skeleton, target: &'a Target) -> Vec<Look<'a>> {
@@ -157,7 +196,7 @@ impl Look<'_> {
             let heaviest =
                 (0..3).max_by(|&a, &b| hit.barycentric[a].total_cmp(&hit.barycentric[b]));
             Some(Sight {
-                at: i,
+                at: self.vertices.start + i,
                 area: areas[self.vertices.start + i],
                 distance: (hit.position - points[i]).norm(),
                 facing: normals[i].dot(&surface.face_normals[hit.triangle as usize]) > FACING,
@@ -195,7 +234,6 @@ impl Look<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
     use crate::mesh::TriMesh;
     use crate::register::areas::vertex_areas;
     use crate::register::skeleton::tests::block;
@@ -213,7 +251,7 @@ mod tests {
         let target = Target::whole(target).unwrap();
         let seen = |skeleton: &Skeleton| {
             let areas = vertex_areas(&skeleton.points, &skeleton.triangles);
-            coverage(skeleton, &areas, &target)
+            coverage(&scan, skeleton, &areas, &target)
         };
         let right = seen(&scan);
         assert!((right.explained - 1.0).abs() < 1e-9, "{right:?}");
@@ -223,5 +261,41 @@ mod tests {
         let [first, second] = [0, 1].map(|b| wrong.bones[b]);
         assert!(first.shared + second.shared > 0.9, "{wrong:?}");
         assert!(first.unexplained + second.unexplained > 0.9, "{wrong:?}");
+    }
+
+    #[test]
+    fn bones_that_lie_in_each_other_in_the_template_do_not_share_what_they_lie_on() {
+        let skeleton = |small: f64| {
+            let bone = |at: f64, half: f64| {
+                block(Vec3::new(at, 0.0, 0.0), Vec3::repeat(half), (8.0 * half) as u32)
+            };
+            let bones = vec![("large".into(), bone(0.0, 4.0)), ("small".into(), bone(small, 0.5))];
+            Skeleton::new(bones, vec![]).unwrap()
+        };
+        // The small one's end comes out of the large one; the result is off by a little.
+        let (template, result, apart) = (skeleton(3.51), skeleton(3.53), skeleton(9.0));
+        let areas = vertex_areas(&template.points, &template.triangles);
+        let mesh = TriMesh::new(template.points.clone(), template.triangles.clone()).unwrap();
+        let target = Target::whole(mesh).unwrap();
+        let shared = |template| coverage(template, &result, &areas, &target).bones[1].shared;
+        assert!(shared(&template) == 0.0 && shared(&apart) > 0.05, "{}", shared(&apart));
+    }
+
+    #[test]
+    fn the_rest_of_a_bone_seen_in_part_lies_as_far_from_it_as_it_goes_on() {
+        let bone = |long: f64| block(Vec3::new(long, 0.0, 0.0), Vec3::new(long, 1.0, 1.0), 20);
+        let whole = Skeleton::new(vec![("a".into(), bone(10.0))], vec![]).unwrap();
+        let areas = vertex_areas(&whole.points, &whole.triangles);
+        let from_seen = |shown: f64| {
+            let mut part = bone(10.0);
+            let points = part.points.clone();
+            part.triangles.retain(|t| t.iter().all(|&v| points[v as usize].x <= shown));
+            let target = Target::whole(part).unwrap();
+            coverage(&whole, &whole, &areas, &target).bones[0].from_seen
+        };
+        assert!(from_seen(20.0) < 1e-9);
+        // Of a length of 20, 10 are not shown: the square root of 10^3 / 3 / 20.
+        assert!((from_seen(10.0) - 4.08).abs() < 0.5, "{}", from_seen(10.0));
+        assert!(from_seen(0.5).is_infinite());
     }
 }

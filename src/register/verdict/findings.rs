@@ -8,7 +8,9 @@ use crate::register::summary::JointSummary;
 use crate::register::target::Target;
 
 // Limits beyond which a figure makes doubtful, and failed.
-/// Share of a bone that the target does not show.
+/// How far a bone goes on from what the target shows of it, against the radius of the skeleton's middle bone.
+const GUESSED: [f64; 2] = [1.0, 3.0];
+/// Share of a bone that an image does not show.
 const UNSEEN: [f64; 2] = [0.7, 0.95];
 /// The same of a bone that the target has no surface for: always doubtful, never failed.
 const NO_DATA: [f64; 2] = [0.0, 1.0];
@@ -73,12 +75,13 @@ pub(super) fn image_findings(
     (share, findings)
 }
 
-/// Share of bone `b` that lies on the target, and what the target says of it.
+/// Share of bone `b` that lies on the target, and what the target says of it: with its radius and that of the
+/// skeleton's middle bone.
 pub(super) fn surface_findings(
     target: &Target,
     coverage: &Coverage,
     b: usize,
-    change: &Distortion,
+    [radius, middle_radius]: [f64; 2],
 ) -> (f64, Vec<Finding>) {
     let seen = &coverage.bones[b];
     if !target.has_surface_of(b) {
@@ -86,16 +89,17 @@ pub(super) fn surface_findings(
         return (0.0, vec![Finding::new(1.0, NO_DATA, reason)]);
     }
     let beyond_noise = seen.forward > NOISE * coverage.middle;
-    let far = if beyond_noise { seen.forward / change.radius } else { 0.0 };
+    let far = if beyond_noise { seen.forward / radius } else { 0.0 };
     let findings = vec![
         Finding::new(
-            1.0 - seen.seen,
-            UNSEEN,
+            seen.from_seen / middle_radius,
+            GUESSED,
             format!(
                 "only {:.0} % of it lie on the target, the rest is a guess; see whether the target shows it, or give it a surface of its own (labels)",
                 100.0 * seen.seen
             ),
-        ),
+        )
+        .alone(),
         Finding::new(
             seen.shared,
             SHARED,

@@ -5,6 +5,7 @@ use super::distortion::distortions;
 use super::evidence::Evidence;
 use super::findings::{image_findings, shape_findings, surface_findings};
 use super::{Finding, Judgement, Verdict};
+use crate::math::median;
 use crate::register::skeleton::Skeleton;
 
 /// Beside a bone in doubt this share of the limits is enough: what draws a bone away draws at its
@@ -17,13 +18,16 @@ pub(in crate::register) fn judge_bones(
     evidence: &Evidence,
 ) -> (Vec<(Judgement, f64)>, Option<f64>) {
     let changes = distortions(evidence.template, evidence.areas, &evidence.result.points);
+    let middle_radius = median(changes.iter().map(|change| change.radius)).unwrap_or(0.0);
     let shown = Shown::new(evidence);
     let mut shares = Vec::new();
     let mut findings: Vec<Vec<Finding>> = Vec::new();
     for b in 0..changes.len() {
         let (share, mut own) = match &shown {
             Shown::InImage(likeness) => image_findings(evidence, likeness, b),
-            Shown::OnSurface(seen) => surface_findings(evidence.target, seen, b, &changes[b]),
+            Shown::OnSurface(seen) => {
+                surface_findings(evidence.target, seen, b, [changes[b].radius, middle_radius])
+            }
         };
         own.extend(shape_findings(evidence, &changes, b));
         shares.push(share);
@@ -51,7 +55,12 @@ impl Shown {
         let result = evidence.result;
         match &evidence.target.image {
             Some(image) => Self::InImage(image.likeness(&result.points, &result.triangles)),
-            None => Self::OnSurface(coverage(result, evidence.areas, evidence.target)),
+            None => Self::OnSurface(coverage(
+                evidence.template,
+                result,
+                evidence.areas,
+                evidence.target,
+            )),
         }
     }
 }
@@ -79,7 +88,7 @@ fn spread_doubt(template: &Skeleton, findings: &mut [Vec<Finding>]) {
                 continue;
             }
             for finding in &mut findings[other] {
-                if finding.share > BESIDE && finding.against.is_none() {
+                if finding.share > BESIDE && !finding.alone {
                     finding.verdict = Verdict::Doubtful;
                     finding.reason.push_str(&beside_doubt);
                 }

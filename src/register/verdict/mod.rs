@@ -57,6 +57,8 @@ struct Finding {
     reason: String,
     /// The other bone that may be the wrong one of the two.
     against: Option<usize>,
+    /// Doubt about the bones beside it makes it no worse.
+    alone: bool,
 }
 
 impl Finding {
@@ -68,12 +70,17 @@ impl Finding {
             _ if figure <= failed => Verdict::Doubtful,
             _ => Verdict::Failed,
         };
-        Self { share, verdict, reason, against: None }
+        Self { share, verdict, reason, against: None, alone: false }
     }
 
     /// The same, against another bone too.
     fn against(self, other: usize) -> Self {
-        Self { against: Some(other), ..self }
+        Self { against: Some(other), alone: true, ..self }
+    }
+
+    /// The same, whatever is said of the bones beside it.
+    fn alone(self) -> Self {
+        Self { alone: true, ..self }
     }
 }
 
