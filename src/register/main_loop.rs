@@ -129,7 +129,7 @@ impl Registration {
 
     /// Whether a finer level would follow the target's shape, not its noise.
     fn has_detail_left(&self, search: &mut Correspond, points: &[Vec3], level: &Level) -> bool {
-        let pairs = search.at(points, &PairRules { robust: None, ..level.rules });
+        let pairs = search.at(points, &level.rules);
         let edges = edges(&self.template.triangles);
         detail::is_left(&pairs, points, &edges, self.options.tolerance * self.diagonal)
     }
