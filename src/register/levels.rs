@@ -59,8 +59,9 @@ impl Registration {
         }
         let coarsest = radii[radii.len() - 1];
         let finest = self.options.finest_in_edges * edge;
+        let smallest = coarsest.min(finest * FINEST_DETAIL);
         let mut radius = coarsest;
-        while self.options.refine_bones && radius.is_finite() && radius >= finest * FINEST_DETAIL {
+        while self.options.refine_bones && radius.is_finite() && radius >= smallest {
             let rules = self.rules(self.options.last_min_cosine, Some(self.options.robust_factor));
             let mut level = self.level(radius, ScaleFreedom::PerAxis, rules, true)?;
             level.for_detail = radius < finest.min(coarsest);
@@ -149,5 +150,27 @@ impl Registration {
             springs: None,
             repaired: false,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::register::options::{Levels, Options};
+    use crate::register::skeleton::Skeleton;
+    use crate::register::skeleton::tests::block;
+
+    #[test]
+    fn bones_are_taken_apart_at_the_last_given_radius_however_small() {
+        let bone = block(Vec3::zeros(), Vec3::new(5.0, 2.0, 2.0), 4);
+        let skeleton = Skeleton::new(vec![("a".into(), bone)], vec![]).unwrap();
+        for radius in [0.01, 3.0, 100.0] {
+            let levels = Levels::Radii(vec![f64::INFINITY, radius]);
+            let options = Options { levels, ..Options::default() };
+            let registration = Registration::new(skeleton.clone(), options).unwrap();
+            let apart = registration.levels.iter().find(|level| level.bones_apart).unwrap();
+            assert!((apart.radius - radius).abs() < 1e-12 && !apart.for_detail, "{}", apart.radius);
+        }
     }
 }
