@@ -76,6 +76,8 @@ pub(super) struct Correspond<'a> {
     /// Areas of the vertices of bones that the target has no surface for.
     without_data: Vec<f64>,
     triangles: &'a [[u32; 3]],
+    /// Distance between the chosen vertices.
+    spacing: f64,
 }
 
 impl<'a> Correspond<'a> {
@@ -112,16 +114,21 @@ impl<'a> Correspond<'a> {
         }
         let (vertex_count, landmarks) = (skeleton.points.len(), target.landmarks.as_slice());
         let triangles = &skeleton.triangles;
-        Self { groups, image, landmarks, vertex_count, without_data, triangles }
+        Self { groups, image, landmarks, vertex_count, without_data, triangles, spacing }
     }
 
     /// The same search at another sampling density.
     pub(super) fn resampled(&self, points: &[Vec3], areas: &[f64], spacing: f64) -> Self {
-        let mut other = self.clone();
+        let mut other = Self { spacing, ..self.clone() };
         for (group, surface) in &mut other.groups {
             group.sample(points, areas, surface, spacing);
         }
         other
+    }
+
+    /// Distance between the chosen vertices; 0 where all are.
+    pub(super) fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// What the bones met last, see [`Group::met_by_bones`].

@@ -87,17 +87,21 @@ impl Registration {
         let mut owned: Option<Owned> = None;
         let mut trace = Vec::new();
         let levels = self.levels_for(target);
+        let (template, areas) = (&self.template, &self.areas);
+        let mut whole = search_coarse.clone();
         for (k, level) in levels.iter().enumerate() {
             if run.is_cancelled() {
                 break;
             }
             attempt.enter(run, &level.name(), 0.15 + 0.8 * k as f64 / levels.len() as f64);
-            let (template, areas) = (&self.template, &self.areas);
+            if whole.spacing().total_cmp(&level.spacing).is_ne() {
+                whole = search_coarse.resampled(&template.points, areas, level.spacing);
+            }
             let mut search = match &owned {
                 Some(owned) => {
                     Correspond::of_parts(template, areas, target, owned.parts(), level.spacing)
                 }
-                None => search_coarse.resampled(&template.points, areas, level.spacing),
+                None => whole.clone(),
             };
             if level.for_detail && !self.has_detail_left(&mut search, &state.points, level) {
                 break;
@@ -108,9 +112,7 @@ impl Registration {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
             if let Some(pieces) = pieces.as_ref().filter(|_| level.springs.is_none()) {
-                let mut search = search_coarse.resampled(&template.points, areas, level.spacing);
-                let (search, rules) = (&mut search, &level.rules);
-                owned = Some(pieces.shared_out(search, &state.points, rules));
+                owned = Some(pieces.shared_out(&mut whole, &state.points, &level.rules));
             }
         }
         attempt.enter(run, "joints and residuals", 0.95);

@@ -65,6 +65,12 @@ impl<'a> PointGrid<'a> {
         found
     }
 
+    /// The point nearest to `p` within the radius; the first of several.
+    pub(super) fn nearest(&self, p: &Vec3) -> Option<u32> {
+        let distance = |i: u32| (self.points[i as usize] - p).norm_squared();
+        self.around(p).min_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)))
+    }
+
     /// Whether a point within the radius of `p` counts.
     pub(super) fn any_within(&self, p: &Vec3, counts: impl Fn(u32) -> bool) -> bool {
         self.around(p).any(counts)

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::neighbours::PointGrid;
 use crate::math::Vec3;
 
@@ -80,13 +82,10 @@ impl Samples {
             }
         }
         let mut sums = vec![0.0; vertices.len()];
-        for (p, &area) in points.iter().zip(areas) {
-            let distance = |i: u32| (points[i as usize] - p).norm_squared();
-            let near = grid.within(p);
-            if let Some(best) =
-                near.into_iter().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
-            {
-                sums[slot[best as usize] as usize] += area;
+        let nearest: Vec<Option<u32>> = points.par_iter().map(|p| grid.nearest(p)).collect();
+        for (nearest, &area) in nearest.into_iter().zip(areas) {
+            if let Some(i) = nearest {
+                sums[slot[i as usize] as usize] += area;
             }
         }
         Self { vertices, areas: sums }
