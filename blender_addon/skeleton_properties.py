@@ -137,8 +137,8 @@ class MOULAGE_PG_skeleton(bpy.types.PropertyGroup):
         name="Limits",
         description="What the limits of the joints are",
         items=[
-            ("hard", "Hard", "No joint turns further"),
             ("soft", "Soft", "Where the data say so a joint turns up to 10 degrees further"),
+            ("hard", "Hard", "No joint turns further"),
             ("none", "None", "Joints turn freely; the bones hang together all the same"),
         ],
     )

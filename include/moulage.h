@@ -2661,7 +2661,7 @@ typedef enum MlgLimits {
    */
   MLG_LIMITS_HARD = 0,
   /**
-   * Where the data insist, a joint turns up to 10 degrees further.
+   * Where the data insist, a joint turns up to 10 degrees further. The default.
    */
   MLG_LIMITS_SOFT = 1,
   /**
@@ -2955,9 +2955,9 @@ typedef struct MlgJointPose {
 const char *mlg_verdict_name(uint32_t verdict);
 
 /**
- * The person's skeleton: bones in the template's vertex order, joint frames inside all limits. It is
- * an object of its own and may be the template of another registration. Free with
- * `mlg_skeleton_free`.
+ * The person's skeleton: bones in the template's vertex order, joint frames inside their limits or as
+ * far beyond as these give way (`MlgLimits`). It is an object of its own and may be the template of
+ * another registration. Free with `mlg_skeleton_free`.
  */
 MlgStatus mlg_registration_result_skeleton(const MlgRegistrationResult *result,
                                            MlgSkeleton **out_skeleton,

@@ -112,7 +112,7 @@ class MOULAGE_OT_remove_soft_tissue(_NeedsSkeleton, bpy.types.Operator):
 
 
 class MOULAGE_OT_register(Runs, _NeedsSkeleton, bpy.types.Operator):
-    """Put the skeleton on the person's bones, each joint inside its limits. The person becomes an armature of its
+    """Put the skeleton on the person's bones, its joints inside their limits. The person becomes an armature of its
     own; Blender stays free meanwhile; Stop, or Esc over a 3D view, keeps the best so far"""
 
     bl_idname = "moulage.register"

@@ -29,7 +29,7 @@ class RegistrationOptions:
         Whether many orientations of the template are tried; else it already lies where the person is.
     as_is : bool, optional
         Whether the target is meant as it is, even if it looks like a mirror image or another unit.
-    limits : {"hard", "soft", "none"}
+    limits : {"soft", "hard", "none"}
         What the joints' limits are to the search; "soft": 10 degrees of slack where the data insist.
     radii : sequence of float, optional
         Of the clusters, from coarse to fine, infinity for one cluster; empty: as the skeleton's file says, else
@@ -44,7 +44,7 @@ class RegistrationOptions:
 
     align: bool = True
     as_is: bool = False
-    limits: Literal["hard", "soft", "none"] = "hard"
+    limits: Literal["soft", "hard", "none"] = "soft"
     radii: Sequence[float] = ()
     max_iterations: int = 0
     thread_count: int = 0

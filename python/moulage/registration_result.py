@@ -94,7 +94,7 @@ class RegistrationResult(Handle):
 
     @property
     def skeleton(self) -> Skeleton:
-        """The person's: bones in the template's vertex order, joint frames inside all limits."""
+        """The person's: bones in the template's vertex order, joint frames inside their limits, or as far beyond as these give way."""
         return Skeleton._take(native.make("registration_result_skeleton", self))
 
     @property

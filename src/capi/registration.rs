@@ -43,7 +43,7 @@ struct ProblemObject {
 pub enum MlgLimits {
     /// Walls.
     Hard = 0,
-    /// Where the data insist, a joint turns up to 10 degrees further.
+    /// Where the data insist, a joint turns up to 10 degrees further. The default.
     Soft = 1,
     /// Joints turn freely; the bones still hang together.
     None = 2,
@@ -94,7 +94,7 @@ const DEFAULTS: MlgRegistrationOptions = MlgRegistrationOptions {
     radius_count: 0,
     as_is: 0,
     reserved: 0,
-    limits: MlgLimits::Hard as u32,
+    limits: MlgLimits::Soft as u32,
     reserved_too: 0,
 };
 

@@ -158,9 +158,9 @@ impl RegistrationResult {
     }
 }
 
-/// The person's skeleton: bones in the template's vertex order, joint frames inside all limits. It is
-/// an object of its own and may be the template of another registration. Free with
-/// `mlg_skeleton_free`.
+/// The person's skeleton: bones in the template's vertex order, joint frames inside their limits or as
+/// far beyond as these give way (`MlgLimits`). It is an object of its own and may be the template of
+/// another registration. Free with `mlg_skeleton_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mlg_registration_result_skeleton(
     result: *const MlgRegistrationResult,

@@ -16,8 +16,8 @@ use super::target::Target;
 const FINAL_STEPS: usize = 30;
 
 impl Registration {
-    /// The elastic shape becomes the reference, its frames follow, and the pose is put inside all
-    /// limits; then the result is measured.
+    /// The elastic shape becomes the reference, its frames follow, and the pose is put inside
+    /// the limits of the last level; then the result is measured.
     pub(super) fn finish(
         &self,
         state: State,

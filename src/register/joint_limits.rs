@@ -33,9 +33,9 @@ pub struct JointLimits {
 #[serde(rename_all = "lowercase")]
 pub enum Limits {
     /// Knowledge: where the data insist, a joint turns up to 10 degrees further.
+    #[default]
     Soft,
     /// Walls where the skeleton says.
-    #[default]
     Hard,
     /// Joints turn freely; the bones still hang together.
     None,

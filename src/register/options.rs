@@ -122,7 +122,7 @@ impl Default for Options {
             finest_in_edges: 1.2,
             separate_bones: false,
             use_joints: true,
-            limits: Limits::Hard,
+            limits: Limits::default(),
             both_ways: true,
             scale_freedom: ScaleFreedom::PerAxis,
             scales: ScaleOptions::default(),

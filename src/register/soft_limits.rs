@@ -14,8 +14,9 @@ use crate::mesh::diagonal;
 
 /// How much further a joint may go where its data insist: degrees, and a share of the smaller bone's size.
 const SLACK: [f64; 2] = [10.0, 0.04];
-/// They insist from so much beyond a limit on.
-const INSISTENCE: [f64; 2] = [3.0, 0.01];
+/// They insist from so much beyond a limit on. Finger bones come out up to 3.6 degrees beyond limits that
+/// their person keeps.
+const INSISTENCE: [f64; 2] = [4.0, 0.01];
 
 impl Registration {
     /// Sets the limits that hold at a level.
@@ -35,15 +36,16 @@ impl Registration {
             let size = self.smaller_size(given);
             let wanted = joint.transform(&motions[joint.parent], &motions[joint.child]);
             let beyond = limit_state(&given.limits, &wanted);
-            let insist = beyond.rotation_excess.to_degrees() > INSISTENCE[0]
-                || beyond.shift_excess > INSISTENCE[1] * size;
-            let turn = match rule(given) {
+            let slack = |excess, k: usize| if excess > INSISTENCE[k] { SLACK[k] } else { 0.0 };
+            let [turn, shift] = match rule(given) {
                 limits if walls(limits) => continue,
-                Limits::None => f64::INFINITY,
-                _ if insist => SLACK[0].to_radians(),
-                _ => continue,
+                Limits::None => [f64::INFINITY, SLACK[1]],
+                _ => [
+                    slack(beyond.rotation_excess.to_degrees(), 0),
+                    slack(beyond.shift_excess / size, 1),
+                ],
             };
-            joint.limits = given.limits.widened(turn, SLACK[1] * size);
+            joint.limits = given.limits.widened(turn.to_radians(), shift * size);
         }
     }
 

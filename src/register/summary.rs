@@ -9,7 +9,8 @@ use crate::math::Vec3;
 /// A registered skeleton.
 #[derive(Clone, Debug)]
 pub struct Registered {
-    /// The person's bones (template vertex order) and joint frames, inside all joint limits.
+    /// The person's bones (template vertex order) and joint frames, inside their limits or as far
+    /// beyond as these give way.
     pub skeleton: Skeleton,
     /// The elastic shape before its joints were put inside their limits.
     pub elastic_points: Vec<Vec3>,

@@ -80,8 +80,8 @@ pub struct RegisterJob {
     /// The target is meant as it is, even if it looks like a mirror image or another unit
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Method"))]
     pub as_is: bool,
-    /// What the joints' limits are: walls, soft (10 degrees further where the data insist), or nothing
-    /// [default: hard]
+    /// What the joints' limits are: soft (10 degrees further where the data insist), walls, or nothing
+    /// [default: soft]
     #[cfg_attr(feature = "cli", arg(long, value_enum, help_heading = "Method"))]
     pub limits: Option<Limits>,
     /// Cluster radii from coarse to fine, "inf" for one cluster [default: from the size]
