@@ -16,7 +16,7 @@ use crate::run::Run;
 /// Pairs of trials before the search for a step is given up.
 const MAX_ROUNDS: i32 = 3;
 
-/// How exact directions are. Less would do for the trials, which judge them; but what is missing hangs on
+/// How exact directions are. Less would do for the trials, which judge them; but what is missing depends on
 /// rounding, and steps towards wrong matches multiply it.
 const DIRECTION_REDUCTION: f64 = 1e-8;
 

@@ -129,7 +129,7 @@ def pause():
 
 
 def until(condition, what):
-    """Waits for something, while a run goes on without end: tests/watchdog.py ends a session that hangs."""
+    """Waits for something, however long a run goes on: tests/watchdog.py ends a session that hangs."""
     print(f"  {what}", flush=True)
     turns = 0
     while not condition():
