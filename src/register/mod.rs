@@ -14,6 +14,7 @@ mod attempts;
 pub mod bone_scales;
 mod border;
 pub mod correspond;
+mod coupled_bones;
 mod detail;
 pub mod elastic;
 pub mod fast_sums;

@@ -5,12 +5,14 @@
 //! quadratic programming follow: the limits are linearised, with their curvature in the quadratic
 //! model, and the least movement of all bones' vertices that meets them is found at once.
 
-use nalgebra::{DMatrix, DVector, Isometry3};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix6};
 
+use super::coupled_bones::CoupledBones;
 use super::pose::{BoneMoments, ProjectedPose, is_valid, limit_state, moved, project_pose};
 use super::pose_rows::{LONGEST_TURN, Row, Twist, rows, twist, twisted};
 use super::skeleton::{Joint, Skeleton};
 use crate::math::{Mat3, Vec3};
+use crate::solve::BlockMatrix;
 
 /// At rest when no bone's step moves its vertices by more than this share of its size.
 const REST: f64 = 1e-7;
@@ -44,10 +46,14 @@ pub fn nearest_pose(
     if start.sweeps == 0 && start.violated == 0 {
         return start;
     }
+    let centres: Vec<Vec3> = moments.iter().map(|m| m.centre).collect();
+    let Ok(coupled) = CoupledBones::new(&centres, skeleton) else {
+        return start;
+    };
     let mut pose = start.transforms.clone();
     let mut forces = None;
     for _ in 0..steps {
-        let Some((twists, next)) = step(skeleton, moments, goals, &pose, forces) else {
+        let Some((twists, next)) = step(skeleton, &coupled, (moments, goals), &pose, forces) else {
             return start;
         };
         forces = Some(next);
@@ -94,8 +100,8 @@ fn move_bones(pose: &mut [Isometry3<f64>], twists: &[Twist], moments: &[BoneMome
 /// forces; `forces` are those of the step before.
 fn step(
     skeleton: &Skeleton,
-    moments: &[BoneMoments],
-    goals: &[Isometry3<f64>],
+    coupled: &CoupledBones,
+    (moments, goals): (&[BoneMoments], &[Isometry3<f64>]),
     pose: &[Isometry3<f64>],
     forces: Option<DVector<f64>>,
 ) -> Option<(Vec<Twist>, DVector<f64>)> {
@@ -112,7 +118,7 @@ fn step(
     let mut forces = forces.unwrap_or_else(|| DVector::zeros(rows.len()));
     let mut twists = Vec::new();
     for _ in 0..rounds {
-        (twists, forces) = solve(&rows, &bodies, &forces)?;
+        (twists, forces) = solve(&rows, &bodies, coupled, &forces)?;
     }
     Some((twists, forces))
 }
@@ -138,44 +144,53 @@ fn body(
 fn solve(
     rows: &[Row],
     bodies: &[Body],
+    coupled: &CoupledBones,
     before: &DVector<f64>,
 ) -> Option<(Vec<Twist>, DVector<f64>)> {
-    let size = 6 * bodies.len();
-    let mut hessian = DMatrix::zeros(size, size);
-    let mut pull = DVector::zeros(size);
+    let CoupledBones { pattern, symbolic } = coupled;
+    let mut hessian = BlockMatrix { values: vec![0.0; pattern.row_idx.len()] };
+    // Row-major: the bones' pulls in the first column, then the limits' normals; solved in place.
+    let width = 1 + rows.len();
+    let mut eased = vec![0.0; pattern.size() * width];
     for (b, body) in bodies.iter().enumerate() {
-        for k in 0..3 {
-            hessian[(6 * b + k, 6 * b + k)] = body.mass;
+        let mut block = Matrix6::zeros();
+        block.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(body.mass);
+        block.fixed_view_mut::<3, 3>(3, 3).copy_from(&body.inertia);
+        pattern.add(&mut hessian, [b, b], &block);
+        for (k, pull) in (block * body.free).iter().enumerate() {
+            eased[(6 * b + k) * width] = *pull;
         }
-        hessian.fixed_view_mut::<3, 3>(6 * b + 3, 6 * b + 3).copy_from(&body.inertia);
-        let block = hessian.fixed_view::<6, 6>(6 * b, 6 * b).into_owned();
-        pull.fixed_rows_mut::<6>(6 * b).copy_from(&(block * body.free));
     }
-    let mut normals = DMatrix::zeros(size, rows.len());
     for (i, row) in rows.iter().enumerate() {
         for (&b, part) in row.bones.iter().zip(&row.parts) {
-            normals.fixed_view_mut::<6, 1>(6 * b, i).copy_from(part);
+            for (k, normal) in part.iter().enumerate() {
+                eased[(6 * b + k) * width + 1 + i] = *normal;
+            }
         }
         let Some((motion, curvature)) = row.curve.as_ref().filter(|_| before[i] > 0.0) else {
             continue;
         };
         for (&b, left) in row.bones.iter().zip(motion) {
-            for (&c, right) in row.bones.iter().zip(motion) {
+            for (&c, right) in row.bones.iter().zip(motion).filter(|(c, _)| **c <= b) {
                 let block = left.tr_mul(&(before[i] * curvature * right));
-                let mut place = hessian.fixed_view_mut::<6, 6>(6 * b, 6 * c);
-                place += block;
+                pattern.add(&mut hessian, [b, c], &block);
             }
         }
     }
-    let factor = hessian.cholesky()?;
-    let free = factor.solve(&pull);
-    let eased = factor.solve(&normals);
-    let room = DVector::from_iterator(rows.len(), rows.iter().map(|r| r.room));
-    let excess = normals.tr_mul(&free) - room;
-    let forces = limit_forces(rows, normals.tr_mul(&eased), &excess)?;
-    let found = free - eased * &forces;
-    let twists = (0..bodies.len()).map(|b| found.fixed_rows::<6>(6 * b).into_owned()).collect();
-    Some((twists, forces))
+    symbolic.factor(&hessian).ok()?.solve_rows(&mut eased, width);
+    let along = |row: &Row, column: usize| -> f64 {
+        let of = |(&b, part): (&usize, &Twist)| -> f64 {
+            (0..6).map(|k| part[k] * eased[(6 * b + k) * width + column]).sum()
+        };
+        row.bones.iter().zip(&row.parts).map(of).sum()
+    };
+    let coupling = DMatrix::from_fn(rows.len(), rows.len(), |i, j| along(&rows[i], 1 + j));
+    let excess = DVector::from_fn(rows.len(), |i, _| along(&rows[i], 0) - rows[i].room);
+    let forces = limit_forces(rows, coupling, &excess)?;
+    let found =
+        |row: &[f64]| row[0] - row[1..].iter().zip(&forces).map(|(e, f)| e * f).sum::<f64>();
+    let found: Vec<f64> = eased.chunks_exact(width).map(found).collect();
+    Some((found.chunks_exact(6).map(Twist::from_column_slice).collect(), forces))
 }
 
 /// The forces of the limits: none where a limit is not reached, never pulling outwards.

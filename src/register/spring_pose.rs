@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use nalgebra::Isometry3;
 
+use super::coupled_bones::CoupledBones;
 use super::pose_rows::LONGEST_TURN;
 use super::skeleton::Skeleton;
 use super::springs::{Posed, Pull, Springs};
@@ -83,10 +84,7 @@ impl<'a> SpringPose<'a> {
 
     /// The motions of all bones and their size.
     pub(super) fn solve(&self) -> Result<Posed> {
-        let links: Vec<(u32, u32)> =
-            self.skeleton.joints.iter().map(|j| (j.parent as u32, j.child as u32)).collect();
-        let pattern = BlockPattern::of_links(&self.centres, &links, 6);
-        let symbolic = SymbolicFactor::new(&pattern)?;
+        let CoupledBones { pattern, symbolic } = CoupledBones::new(&self.centres, self.skeleton)?;
         let mut pose = self.still();
         let mut energy = self.energy(&pose);
         for _ in 0..MOST_STEPS {
@@ -123,14 +121,14 @@ impl<'a> SpringPose<'a> {
 
     fn derivatives(&self, pattern: &BlockPattern, pose: &Posed) -> Derivatives {
         let mut gradient = vec![0.0; pattern.size() + 1];
-        let mut values = vec![0.0; pattern.row_idx.len()];
+        let mut matrix = BlockMatrix { values: vec![0.0; pattern.row_idx.len()] };
         let mut by_size = vec![0.0; pattern.size()];
         let mut by_size_twice = SIZE.powi(-2);
         gradient[pattern.size()] = libm::log(pose.size) / SIZE.powi(2);
         let hold = [HOLD[0] * self.diagonal, HOLD[1]].map(|far| far.powi(-2));
         for b in 0..self.centres.len() as u32 {
             for k in 0..6 {
-                values[pattern.entry(b, b, k, k)] += hold[k / 3];
+                matrix.values[pattern.entry(b, b, k, k)] += hold[k / 3];
             }
         }
         for springs in self.springs(pose) {
@@ -145,13 +143,7 @@ impl<'a> SpringPose<'a> {
                 let coupled = part.tr_mul(&(weighted * springs.by_size));
                 by_size[own].iter_mut().zip(&coupled).for_each(|(g, p)| *g += p);
                 for (&c, other) in sides().filter(|(c, _)| **c <= b) {
-                    let block = part.tr_mul(&(weighted * other));
-                    for column in 0..6 {
-                        for row in if b == c { column } else { 0 }..6 {
-                            values[pattern.entry(b as u32, c as u32, row, column)] +=
-                                block[(row, column)];
-                        }
-                    }
+                    pattern.add(&mut matrix, [b, c], &part.tr_mul(&(weighted * other)));
                 }
             }
         }
@@ -159,7 +151,7 @@ impl<'a> SpringPose<'a> {
             gradient[pattern.size()] = 0.0;
             by_size.fill(0.0);
         }
-        Derivatives { gradient, matrix: BlockMatrix { values }, by_size, by_size_twice }
+        Derivatives { gradient, matrix, by_size, by_size_twice }
     }
 
     fn springs(&self, pose: &Posed) -> Vec<Springs> {
@@ -260,8 +252,7 @@ mod tests {
         let problem = SpringPose::new(&skeleton, 40.0, &rest, pulls, true);
         let motions = (0..4).map(motion).collect();
         let pose = Posed { motions, size: 1.2, ..problem.still() };
-        let links: Vec<_> = (0..3).map(|k| (k, k + 1)).collect();
-        let pattern = BlockPattern::of_links(&problem.centres, &links, 6);
+        let pattern = CoupledBones::new(&problem.centres, &skeleton).unwrap().pattern;
         let gradient = problem.derivatives(&pattern, &pose).gradient;
         let direction: Vec<f64> =
             (0..25).map(|k| f64::from((7 * k + 3) % 11) / 11.0 - 0.4).collect();

@@ -1,17 +1,19 @@
 //! Symmetric sparse matrices of B x B blocks on a vertex graph, lower triangle by columns.
 
-use crate::math::Vec3;
+use nalgebra::SMatrix;
 use rayon::prelude::*;
+
+use crate::math::Vec3;
 
 use super::ordering::nested_dissection;
 
-/// Rows and columns of a block at most.
+/// Rows and columns of a block of tets at most.
 const MAX_BLOCK: usize = 3;
 
 /// Where the blocks of a symmetric matrix on the vertices of a tet mesh stand.
 #[derive(Clone, Debug)]
 pub struct BlockPattern {
-    /// Rows and columns of a block, 1 or 3.
+    /// Rows and columns of a block.
     pub block: usize,
     /// For each vertex the higher-numbered vertices it is coupled with, ascending.
     pub higher: Vec<Vec<u32>>,
@@ -141,6 +143,20 @@ impl BlockPattern {
             1 + self.higher[j as usize].binary_search(&i).expect("the two vertices share a tet")
         };
         self.col_ptr[self.block * j as usize] + self.offset(j as usize, k, r, c)
+    }
+
+    /// Adds to block (i, j), i >= j; of a block on the diagonal the lower triangle is read.
+    pub fn add<const B: usize>(
+        &self,
+        matrix: &mut BlockMatrix,
+        [i, j]: [usize; 2],
+        block: &SMatrix<f64, B, B>,
+    ) {
+        for column in 0..B {
+            for row in if i == j { column } else { 0 }..B {
+                matrix.values[self.entry(i as u32, j as u32, row, column)] += block[(row, column)];
+            }
+        }
     }
 
     /// Offset inside the values of vertex v's columns of entry (r, c) of its k-th block.
