@@ -2995,6 +2995,14 @@ const double *mlg_registration_result_coefficients(const MlgRegistrationResult *
                                                    size_t *out_count);
 
 /**
+ * For each vertex of the skeleton, bone after bone, whether it lies on the target, 1 or 0; in an image, how
+ * far it finds something like it, 0 to 1: `*out_count` numbers, borrowed until the result is freed. What is
+ * not seen is a guess. NULL for a handle that is not valid. `out_count`: may be NULL.
+ */
+const double *mlg_registration_result_seen(const MlgRegistrationResult *result,
+                                           size_t *out_count);
+
+/**
  * Carries a soft tissue surface along with the bones; takes seconds for large ones.
  *
  * `tissue`: in the template's pose. `out_points`: room for 3 coordinates per point of it.

@@ -23,6 +23,7 @@ fn a_hand_is_found_and_written_and_its_result_is_a_template_again() {
         target: Some(hand.join("target_surface.ply")),
         out: Some(out.path().into()),
         report: Some(out.path().join("report")),
+        ply_out: Some(out.path().join("person.ply")),
         ..RegisterJob::default()
     };
     let result = run_register(&job, &Run::new()).unwrap();
@@ -55,6 +56,25 @@ fn a_hand_is_found_and_written_and_its_result_is_a_template_again() {
     seen_by_viewers(&out.path().join("skeleton.glb"), found);
     let page = std::fs::read_to_string(out.path().join("report/report.html")).unwrap();
     assert!(page.contains("thumbprox"));
+    assert_eq!(result.registered.seen.len(), truth.len());
+    let ply = std::fs::read(out.path().join("person.ply")).unwrap();
+    assert_eq!(ply, std::fs::read(out.path().join("report/result.ply")).unwrap());
+    let header = String::from_utf8_lossy(&ply[..400]);
+    for name in ["bone", "verdict", "seen", "distance"] {
+        assert!(header.contains(&format!("property float {name}\n")), "{header}");
+    }
+}
+
+#[test]
+fn outputs_that_would_come_to_nothing_are_refused_before_anything_is_read() {
+    let refused = |job: RegisterJob| run_register(&job, &Run::new()).unwrap_err().to_string();
+    assert!(refused(RegisterJob::default()).contains("no output is named"));
+    let ply_out = Some("person.obj".into());
+    let text = refused(RegisterJob { ply_out, ..RegisterJob::default() });
+    assert_eq!(text, "--ply-out person.obj: the name must end in .ply");
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let text = refused(RegisterJob { out: Some(file.path().into()), ..RegisterJob::default() });
+    assert!(text.contains("result.skeleton.json"), "{text}");
 }
 
 /// What another reader of glTF sees: every bone's node with its name, in its place, metres and y up.

@@ -40,6 +40,8 @@ public:
     }
     /** Of the shape model, in standard deviations; empty without one. */
     MOULAGE_LENDS(double, coefficients, mlg_registration_result_coefficients, 1)
+    /** Whether each vertex of the skeleton lies on the target, 0 to 1; what does not is a guess. */
+    MOULAGE_LENDS(double, seen, mlg_registration_result_seen, 1)
     /** Moves a soft tissue surface with the bones. */
     std::vector<double> carry(const TriMesh &tissue) const {
         std::vector<double> points(tissue.points().size);

@@ -569,5 +569,6 @@ GETTERS: dict[str, tuple[Any, ...]] = {
     "registration_free": (None, c_void_p),
     "verdict_name": (c_char_p, c_uint32),
     "registration_result_coefficients": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
+    "registration_result_seen": (POINTER(c_double), c_void_p, POINTER(c_size_t)),
     "registration_result_free": (None, c_void_p),
 }

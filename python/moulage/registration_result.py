@@ -151,6 +151,14 @@ class RegistrationResult(Handle):
         """Of the shape model, in standard deviations, shape (modes,); empty without one."""
         return native.floats("registration_result_coefficients", self, 1)
 
+    @property
+    def seen(self) -> NDArray[numpy.float64]:
+        """Whether each vertex of the skeleton lies on the target, shape (points,).
+
+        1 or 0; in an image, how far it finds something like it, 0 to 1. What is not seen is a guess.
+        """
+        return native.floats("registration_result_seen", self, 1)
+
     def carry(self, tissue: Surface) -> NDArray[numpy.float64]:
         """Move a soft tissue with the bones.
 
@@ -181,15 +189,16 @@ class RegistrationResult(Handle):
         -------
         pyvista.MultiBlock
             A block for each bone, by its name, with arrays of its points: ``residual`` (the bone's mean distance to the
-            target), ``seen`` (share of its area) and ``verdict`` (0 good, 1 doubtful, 2 failed), and ``distance`` of each
-            point to the target where that is one surface.
+            target), ``verdict`` (0 good, 1 doubtful, 2 failed), ``seen`` (see there), and ``distance`` of each point to
+            the target where that is one surface.
         """
         made: Any = self.skeleton.to_pyvista()
+        seen = iter(self.seen)
         for number in range(made.n_blocks):
             fit, block = self.bone_fit(number), made[number]
             count = block.n_points
             block.point_data["residual"] = numpy.full(count, fit["mean_residual"])
-            block.point_data["seen"] = numpy.full(count, fit["seen"])
+            block.point_data["seen"] = numpy.fromiter(seen, float, count)
             block.point_data["verdict"] = numpy.full(count, interface.VERDICT.index(fit["verdict"]))
             if self._target is not None:
                 block.point_data["distance"] = self._target.distances_of(block.points)

@@ -254,6 +254,17 @@ pub unsafe extern "C" fn mlg_registration_result_coefficients(
     access::lend(result, out_count, |result: &RegistrationResult| &result.registered.coefficients)
 }
 
+/// For each vertex of the skeleton, bone after bone, whether it lies on the target, 1 or 0; in an image, how
+/// far it finds something like it, 0 to 1: `*out_count` numbers, borrowed until the result is freed. What is
+/// not seen is a guess. NULL for a handle that is not valid. `out_count`: may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mlg_registration_result_seen(
+    result: *const MlgRegistrationResult,
+    out_count: *mut usize,
+) -> *const f64 {
+    access::lend(result, out_count, |result: &RegistrationResult| &result.registered.seen)
+}
+
 /// Carries a soft tissue surface along with the bones; takes seconds for large ones.
 ///
 /// `tissue`: in the template's pose. `out_points`: room for 3 coordinates per point of it.

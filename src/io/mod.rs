@@ -85,6 +85,6 @@ pub use volumes::{VolumeFile, is_volume, read_volume};
 pub use vtu_read::parse_vtu;
 pub use vtu_write::{DataArray, write_vtu};
 pub use write::{
-    check_writable, file_name, file_names, has_extension, read_bytes, read_text, stem,
-    write_beside, write_json,
+    check_output, check_writable, file_name, file_names, has_extension, read_bytes, read_text,
+    stem, write_beside, write_json,
 };

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Shown};
 
 /// The bytes of a file.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
@@ -98,6 +98,16 @@ pub fn check_writable(path: &Path) -> Result<()> {
         File::create(&probe).and_then(|_| fs::remove_file(&probe))
     };
     made.map_err(|e| Error::io("write", path, e))
+}
+
+/// The same for the file that `flag` names, which must end in one of `extensions`.
+pub fn check_output(path: &Path, extensions: &[&str], flag: &str) -> Result<()> {
+    if !extensions.iter().any(|known| has_extension(path, known)) {
+        let known = extensions.join(" or .");
+        let text = format!("{flag} {}: the name must end in .{known}", path.shown());
+        return Err(Error::invalid(text));
+    }
+    check_writable(path)
 }
 
 /// A name in the same folder (renaming works only within one file system), another one at every call:

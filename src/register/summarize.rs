@@ -9,7 +9,7 @@ use super::rotation::rotation_vector;
 use super::skeleton::Skeleton;
 use super::summary::{BoneSummary, JointSummary, LevelTrace, Registered};
 use super::target::Target;
-use super::verdict::{Evidence, Judgement, judge_bones, judge_whole};
+use super::verdict::{Evidence, Judged, Judgement, judge_bones, judge_whole};
 use crate::math::Vec3;
 
 /// The shapes and frames found.
@@ -34,7 +34,7 @@ impl Registered {
     ) -> Self {
         let Found { skeleton, elastic_points, scales, coefficients, seams, wanted } = found;
         let joints = joint_summaries(&skeleton, &seams, &wanted);
-        let (judgements, explained) = judge_bones(&Evidence {
+        let Judged { bones, seen, explained } = judge_bones(&Evidence {
             template,
             areas,
             result: &skeleton,
@@ -43,7 +43,7 @@ impl Registered {
             pairs,
             joints: &joints,
         });
-        let mut bones: Vec<BoneSummary> = judgements
+        let mut bones: Vec<BoneSummary> = bones
             .into_iter()
             .enumerate()
             .map(|(b, judgement)| bone_summary(&skeleton, b, pairs, judgement))
@@ -63,6 +63,7 @@ impl Registered {
             scales,
             coefficients,
             bones,
+            seen,
             joints,
             levels,
             cancelled,

@@ -20,6 +20,9 @@ pub struct Registered {
     pub coefficients: Vec<f64>,
     /// How each bone fits.
     pub bones: Vec<BoneSummary>,
+    /// For each vertex whether it lies on the target, 1 or 0; in an image, how far it finds something like
+    /// it, 0 to 1. Where the target shows nothing the shape is a guess.
+    pub seen: Vec<f64>,
     /// How each joint stands to its limits.
     pub joints: Vec<JointSummary>,
     /// The levels of the loop.

@@ -241,6 +241,8 @@ static void registered() {
     CHECK(unseen.summary().verdict != MLG_VERDICT_GOOD && unseen.bone_fit(1).reason_count > 0);
     CHECK(unseen.bone_fit(1).verdict == MLG_VERDICT_DOUBTFUL && unseen.verdict_name() == "DOUBTFUL");
     CHECK(unseen.bone_reasons(1).find("no surface of it") != std::string::npos);
+    CHECK(unseen.seen().size == person.points().size / 3);
+    CHECK(unseen.seen()[0] > 0.5 && unseen.seen()[unseen.seen().size - 1] < 0.5);
     // Limits are a number of MlgLimits.
     options.limits = MLG_LIMITS_NONE + 1;
     CHECK(status_of([&] { half.run(options); }) == MLG_STATUS_INVALID_ARGUMENT);

@@ -168,6 +168,8 @@ static void known_answer(MlgRegistration *problem, const MlgSkeleton *template_s
     CHECK(mlg_registration_result_joint_pose(one, 0, &pose, &error) == MLG_STATUS_OK && pose.usage <= 1.001);
     CHECK(mlg_registration_result_bone_fit(one, 1, &fit, &error) == MLG_STATUS_OK && fit.seen > 0.5);
     CHECK(mlg_registration_result_bone_fit(one, 2, &fit, &error) == MLG_STATUS_INVALID_ARGUMENT);
+    CHECK(mlg_registration_result_seen(one, &length) != NULL && length == count);
+    CHECK(mlg_registration_result_seen(NULL, &length) == NULL && length == 0);
     CHECK(mlg_registration_result_warnings(one, text, sizeof text, &length, &error) == MLG_STATUS_OK);
     CHECK(mlg_registration_result_carry(one, skin, carried, &error) == MLG_STATUS_OK);
     CHECK(fabs(carried[0] - after[0]) < 1);

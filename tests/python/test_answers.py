@@ -297,6 +297,8 @@ class Answers(unittest.TestCase):
         fit = result.bone_fit(0)
         self.assertNotEqual(fit["verdict"], "good")
         self.assertNotEqual(result.summary["verdict"], "good")
+        self.assertEqual(result.seen.shape, (len(self.points),))
+        self.assertLess(result.seen.mean(), 0.5)
         self.assertEqual(result.summary["suspicious_bones"], 1)
         self.assertIn("lie on the target", " ".join(fit["reasons"]))
         self.assertIn("cube", " ".join(result.warnings))

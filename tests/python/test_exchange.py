@@ -127,6 +127,7 @@ class Pictures(unittest.TestCase):
             expected = ("good", "doubtful", "failed").index(result.bone_fit(name)["verdict"])
             self.assertEqual(verdicts[name], expected)
         self.assertEqual(blocks[0]["distance"].shape, (blocks[0].n_points,))
+        numpy.testing.assert_array_equal(numpy.concatenate([block["seen"] for block in blocks]), result.seen)
         for heat in (None, "distance"):
             self.assertGreater(self.picture(result, heat=heat), 20)
 

@@ -9,13 +9,16 @@ use super::skeleton_build::document_of;
 use super::skeleton_files::{SkeletonFiles, TissueFile};
 use super::skeleton_paths::settle_paths;
 use super::spec::RegisterJob;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::io::gltf::write_glb;
 use crate::io::skeleton::{ReferenceImage, SkeletonDocument, SoftEntry};
-use crate::io::{file_names, read_volume, write_beside, write_profiles};
+use crate::io::{
+    check_output, check_writable, file_names, read_volume, write_beside, write_ply, write_profiles,
+};
+use crate::mesh::TriMesh;
 use crate::register::animation::{Motion, present_angles};
 use crate::register::transfer::carry_soft_tissue;
-use crate::register::{Appearance, Registered};
+use crate::register::{Appearance, Registered, Skeleton, Target};
 
 /// What was written.
 pub(crate) struct Written {
@@ -23,6 +26,21 @@ pub(crate) struct Written {
     pub files: Vec<PathBuf>,
     /// What is not as the template has it, one sentence each.
     pub notes: Vec<String>,
+}
+
+/// Refuses outputs that would come to nothing, before anything is computed.
+pub(crate) fn check_places(job: &RegisterJob) -> Result<()> {
+    if job.out.is_none() && job.report.is_none() && job.ply_out.is_none() {
+        return Err(Error::invalid("no output is named; give the result's folder with -o"));
+    }
+    if let Some(path) = &job.ply_out {
+        check_output(path, &["ply"], "--ply-out")?;
+    }
+    let inside = [(&job.out, "result.skeleton.json"), (&job.report, "report.json")];
+    for (folder, name) in inside {
+        folder.as_ref().map_or(Ok(()), |folder| check_writable(&folder.join(name)))?;
+    }
+    Ok(())
 }
 
 /// Writes bones, skeleton file, scene and carried tissues.
@@ -77,6 +95,23 @@ pub(crate) fn write(
     write_glb(&path, &scene)?;
     written.push(path);
     Ok(Written { files: written, notes })
+}
+
+/// All bones with what is known at each vertex: the number of its bone and the verdict on it (0 good, 1
+/// doubtful, 2 failed), whether the target shows it, and its distance to the target (not for images).
+pub(crate) fn write_seen(path: &Path, target: &Target, found: &Registered) -> Result<()> {
+    let Skeleton { points, triangles, .. } = &found.skeleton;
+    let bone_of = found.skeleton.bone_of_vertex();
+    let bones: Vec<f64> = bone_of.iter().map(|&b| f64::from(b)).collect();
+    let verdict = |&b: &u32| f64::from(found.bones[b as usize].verdict as u8);
+    let verdicts: Vec<f64> = bone_of.iter().map(verdict).collect();
+    let distances = target.distances(&found.skeleton);
+    let mut scalars: Vec<(&str, &[f64])> =
+        vec![("bone", &bones), ("verdict", &verdicts), ("seen", &found.seen)];
+    if distances.iter().any(|d| !d.is_nan()) {
+        scalars.push(("distance", &distances));
+    }
+    write_ply(path, &TriMesh { points: points.clone(), triangles: triangles.clone() }, &scalars)
 }
 
 /// The person's skeleton file, with all that the template's says and the figures of the result; bones

@@ -2,7 +2,7 @@
 
 use crate::job::report::html::image;
 use crate::job::report::picture::{View, draw};
-use crate::job::report::ramp::{Colour, DOUBTFUL, FAILED, Ramp};
+use crate::job::report::ramp::{Colour, DOUBTFUL, FAILED, Ramp, UNSEEN};
 use crate::job::report::view3d::View3d;
 use crate::measure::Spread;
 use crate::mesh::TriMesh;
@@ -55,15 +55,29 @@ fn turning(template: &Skeleton, target: &Target, found: &Registered) -> View3d {
     let classes = verdicts.map(|v| (v.name().to_owned(), verdict_colour(v))).to_vec();
     let of_bone = |b: &BoneSummary| verdicts.iter().position(|v| *v == b.verdict).unwrap_or(0);
     view.by_class("Verdict", "verdict", classes, found.bones.iter().map(of_bone));
+    view.by_value(
+        "Seen",
+        "shown by the target".to_owned(),
+        &seen_ramp(),
+        &of_bones(template, &found.seen),
+    );
     let distances = target.distances(person);
     let known: Vec<f64> = distances.iter().copied().filter(|d| !d.is_nan()).collect();
     if !known.is_empty() {
         let ramp = Ramp::scaled(&DISTANCE, Spread::of(&known).p95);
-        let of_bones: Vec<&[f64]> =
-            bones().map(|(_, bone)| &distances[bone.vertices.clone()]).collect();
-        view.by_value("Distance", "distance to the target".to_owned(), &ramp, &of_bones);
+        view.by_value(
+            "Distance",
+            "distance to the target".to_owned(),
+            &ramp,
+            &of_bones(template, &distances),
+        );
     }
     view
+}
+
+/// The values of each bone's vertices.
+fn of_bones<'v>(skeleton: &Skeleton, values: &'v [f64]) -> Vec<&'v [f64]> {
+    skeleton.bones.iter().map(|bone| &values[bone.vertices.clone()]).collect()
 }
 
 fn still(template: &Skeleton, found: &Registered) -> String {
@@ -73,6 +87,12 @@ fn still(template: &Skeleton, found: &Registered) -> String {
         ("Template", "", template, colours(template, palette)),
         ("Person", "", person, colours(person, palette)),
         ("Verdict", "Pale: good. Orange: doubtful. Red: failed.", person, colours(person, verdict)),
+        (
+            "Seen",
+            "Blue: the target does not show it, a guess.",
+            person,
+            seen_ramp().colours(&found.seen),
+        ),
     ];
     let part = |(title, key, skeleton, colours): (&str, &str, &Skeleton, Vec<Colour>)| {
         let mesh =
@@ -82,6 +102,11 @@ fn still(template: &Skeleton, found: &Registered) -> String {
         format!("<h3>{title}</h3>\n<p>{key}</p>\n{}", views.concat())
     };
     pictures.map(part).concat()
+}
+
+/// From what is not seen to what is.
+fn seen_ramp() -> Ramp {
+    Ramp::scaled(&[(0.0, UNSEEN), (1.0, PALETTE[0])], 1.0)
 }
 
 fn palette(bone: usize) -> Colour {

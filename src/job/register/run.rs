@@ -12,7 +12,7 @@ use super::report::RegisterReport;
 use super::skeleton_files::{SkeletonFiles, read_skeleton, read_tissue_files};
 use super::spec::RegisterJob;
 use super::target::read_target;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::skeleton::SkeletonDocument;
 use crate::register::options::Levels;
 use crate::register::{Options, Registered, Registration, ShapeModel};
@@ -34,9 +34,7 @@ pub fn run_register(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
 }
 
 fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
-    if job.out.is_none() && job.report.is_none() {
-        return Err(Error::invalid("no output is named; give the result's folder with -o"));
-    }
+    output::check_places(job)?;
     run.enter("reading", 0.0);
     let files = read_skeleton(&job.skeleton)?;
     let (target, mut notes) = read_target(job, &files)?;
@@ -69,6 +67,11 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
         let written = output::write(folder, job, &files, &registered, &tissues, motion.as_ref())?;
         report.written = written.files;
         report.warnings.extend(written.notes);
+    }
+    let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
+    for path in job.ply_out.iter().chain(&in_report) {
+        output::write_seen(path, &target, &registered)?;
+        report.written.push(path.clone());
     }
     if let Some(folder) = &job.report {
         report.write(folder, &files.skeleton, &target, &registered)?;

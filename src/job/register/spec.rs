@@ -97,7 +97,10 @@ pub struct RegisterJob {
     /// Folder for the result: bones/, result.skeleton.json, skeleton.glb, soft/
     #[cfg_attr(feature = "cli", arg(short, long, value_name = "FOLDER", help_heading = "Output"))]
     pub out: Option<PathBuf>,
-    /// Folder for report.html and report.json
+    /// Bones in one .ply with bone, verdict, seen and distance to the target at each vertex
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Output"))]
+    pub ply_out: Option<PathBuf>,
+    /// Folder for report.html, report.json and result.ply (as --ply-out)
     #[cfg_attr(feature = "cli", arg(long, value_name = "FOLDER", help_heading = "Output"))]
     pub report: Option<PathBuf>,
     /// Metres per unit of the template, for skeleton.glb [default: what its file

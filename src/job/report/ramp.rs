@@ -10,6 +10,8 @@ pub(crate) const SKIN: Colour = [0.86, 0.80, 0.74];
 /// What may be wrong, and what is.
 pub(crate) const DOUBTFUL: Colour = [0.95, 0.65, 0.10];
 pub(crate) const FAILED: Colour = [0.80, 0.10, 0.10];
+/// What the data do not show.
+pub(crate) const UNSEEN: Colour = [0.35, 0.55, 0.80];
 /// Where a value is not known.
 pub(crate) const UNKNOWN: Colour = [0.55; 3];
 

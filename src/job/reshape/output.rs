@@ -7,7 +7,7 @@ use super::result::Outcome;
 use super::spec::ReshapeJob;
 use crate::error::{Error, Result, Shown};
 use crate::fem::principal_stretches;
-use crate::io::{DataArray, check_writable, stem, write_ply, write_vtu};
+use crate::io::{DataArray, check_output, check_writable, stem, write_ply, write_vtu};
 use crate::measure::distance_to_markers;
 use crate::mesh::TriMesh;
 use crate::reshape::{Reshaped, Uncertainty};
@@ -27,15 +27,7 @@ pub(crate) fn check_places(job: &ReshapeJob) -> Result<()> {
     ];
     for (path, extensions, flag) in needed {
         let Some(path) = path else { continue };
-        let own = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        if !extensions.iter().any(|known| own.as_deref() == Some(known)) {
-            return Err(Error::invalid(format!(
-                "{flag} {}: the name must end in .{}",
-                path.shown(),
-                extensions.join(" or .")
-            )));
-        }
-        check_writable(path)?;
+        check_output(path, extensions, flag)?;
     }
     if let Some(folder) = &job.report {
         check_writable(&folder.join("report.json"))?;

@@ -47,6 +47,8 @@ struct Sight {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coverage {
     pub(super) bones: Vec<BoneCoverage>,
+    /// For each vertex of the skeleton 1 where it lies on the target, else 0.
+    pub(super) seen: Vec<f64>,
     /// Share of the target's area that lies on a bone.
     pub(super) explained: f64,
     /// Middle distance of the target's places to the bones.
@@ -97,6 +99,7 @@ pub(super) fn coverage(
     let lies_on = |s: &Sight| s.facing && s.distance <= tolerance;
 
     let mut bones = vec![BoneCoverage::default(); skeleton.bones.len()];
+    let mut seen = vec![0.0; skeleton.points.len()];
     let (mut explained, mut whole) = (0.0, 0.0);
     for (look, (forward, backward)) in looks.iter().zip(&sights) {
         let mut owner = vec![usize::MAX; look.surface.mesh.points.len()];
@@ -113,6 +116,7 @@ pub(super) fn coverage(
         for sight in forward {
             let bone = &mut bones[sight.bone];
             if lies_on(sight) {
+                seen[sight.at] = 1.0;
                 bone.seen += sight.area;
                 let nearest = owner[sight.target];
                 if nearest != sight.bone && nearest != usize::MAX {
@@ -138,7 +142,7 @@ pub(super) fn coverage(
         bone.unexplained /= area;
         bone.forward = if bone.faced > 0.0 { (bone.forward / bone.faced).sqrt() } else { 0.0 };
     }
-    Coverage { bones, explained: explained / whole, middle }
+    Coverage { bones, seen, explained: explained / whole, middle }
 }
 
 /// Adds the squared distances of bones' places, seen from the template, to the nearest of the same bone that
@@ -286,16 +290,21 @@ mod tests {
         let bone = |long: f64| block(Vec3::new(long, 0.0, 0.0), Vec3::new(long, 1.0, 1.0), 20);
         let whole = Skeleton::new(vec![("a".into(), bone(10.0))], vec![]).unwrap();
         let areas = vertex_areas(&whole.points, &whole.triangles);
-        let from_seen = |shown: f64| {
+        let of = |shown: f64| {
             let mut part = bone(10.0);
             let points = part.points.clone();
             part.triangles.retain(|t| t.iter().all(|&v| points[v as usize].x <= shown));
             let target = Target::whole(part).unwrap();
-            coverage(&whole, &whole, &areas, &target).bones[0].from_seen
+            coverage(&whole, &whole, &areas, &target)
         };
+        let from_seen = |shown: f64| of(shown).bones[0].from_seen;
         assert!(from_seen(20.0) < 1e-9);
         // Of a length of 20, 10 are not shown: the square root of 10^3 / 3 / 20.
         assert!((from_seen(10.0) - 4.08).abs() < 0.5, "{}", from_seen(10.0));
         assert!(from_seen(0.5).is_infinite());
+        for (seen, p) in of(10.0).seen.iter().zip(&whole.points) {
+            let beside = (p.x - 10.0).abs() < 0.6;
+            assert!(beside || (*seen > 0.5) == (p.x < 10.0), "{p}");
+        }
     }
 }

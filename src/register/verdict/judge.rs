@@ -12,11 +12,18 @@ use crate::register::skeleton::Skeleton;
 /// neighbours.
 const BESIDE: f64 = 0.55;
 
-/// The verdict on each bone, the share of it that the target shows, and the share of the target that
-/// is explained.
-pub(in crate::register) fn judge_bones(
-    evidence: &Evidence,
-) -> (Vec<(Judgement, f64)>, Option<f64>) {
+/// What is said of each bone, and what it stands on.
+pub(in crate::register) struct Judged {
+    /// The verdict on each bone and the share of it that the target shows.
+    pub(in crate::register) bones: Vec<(Judgement, f64)>,
+    /// The same share for each vertex.
+    pub(in crate::register) seen: Vec<f64>,
+    /// The share of the target that is explained; none for an image.
+    pub(in crate::register) explained: Option<f64>,
+}
+
+/// The verdict on each bone.
+pub(in crate::register) fn judge_bones(evidence: &Evidence) -> Judged {
     let changes = distortions(evidence.template, evidence.areas, &evidence.result.points);
     let middle_radius = median(changes.iter().map(|change| change.radius)).unwrap_or(0.0);
     let shown = Shown::new(evidence);
@@ -35,12 +42,13 @@ pub(in crate::register) fn judge_bones(
     }
     blame(&mut findings);
     spread_doubt(evidence.template, &mut findings);
-    let judgements = findings.into_iter().map(Judgement::new);
-    let explained = match &shown {
-        Shown::InImage(_) => None,
-        Shown::OnSurface(seen) => Some(seen.explained),
-    };
-    (judgements.zip(shares).collect(), explained)
+    let bones = findings.into_iter().map(Judgement::new).zip(shares).collect();
+    match shown {
+        Shown::InImage(_) => Judged { bones, seen: evidence.pairs.trust.clone(), explained: None },
+        Shown::OnSurface(Coverage { seen, explained, .. }) => {
+            Judged { bones, seen, explained: Some(explained) }
+        }
+    }
 }
 
 /// What the target shows of the result.

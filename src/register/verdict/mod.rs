@@ -13,7 +13,7 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 pub(super) use evidence::Evidence;
-pub(super) use judge::judge_bones;
+pub(super) use judge::{Judged, judge_bones};
 pub(super) use whole::judge_whole;
 
 /// How far a result, or one bone of it, can be trusted.
