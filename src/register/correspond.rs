@@ -105,7 +105,7 @@ impl<'a> Correspond<'a> {
             group.sample(&skeleton.points, areas, surface, spacing);
             (group, surface)
         };
-        let groups: Vec<(Group, _)> = parts.into_iter().map(group).collect();
+        let groups: Vec<(Group, _)> = parts.into_par_iter().map(group).collect();
         let image = target.image.as_ref().map(|image| (image, areas.to_vec()));
         let mut without_data =
             if image.is_some() { vec![0.0; areas.len()] } else { areas.to_vec() };
@@ -120,9 +120,9 @@ impl<'a> Correspond<'a> {
     /// The same search at another sampling density.
     pub(super) fn resampled(&self, points: &[Vec3], areas: &[f64], spacing: f64) -> Self {
         let mut other = Self { spacing, ..self.clone() };
-        for (group, surface) in &mut other.groups {
+        other.groups.par_iter_mut().for_each(|(group, surface)| {
             group.sample(points, areas, surface, spacing);
-        }
+        });
         other
     }
 
@@ -148,16 +148,19 @@ impl<'a> Correspond<'a> {
 
     /// Correspondences of the template at `points`.
     pub(super) fn at(&mut self, points: &[Vec3], rules: &PairRules) -> Correspondences {
-        let mut pairs = Vec::new();
         let faces = area_vectors(points, self.triangles);
         let normals = vertex_normals(points.len(), self.triangles, &faces);
-        for (group, surface) in &mut self.groups {
+        let of_group = |(group, surface): &mut (Group, &SearchedSurface)| {
+            let mut pairs = Vec::new();
             group.refit(points);
             pairs.par_extend(group.forward_pairs(&normals, surface, rules));
             if rules.both_ways {
                 pairs.par_extend(group.backward_pairs(&faces, surface));
             }
-        }
+            pairs
+        };
+        let of_groups: Vec<Vec<Pair>> = self.groups.par_iter_mut().map(of_group).collect();
+        let mut pairs: Vec<Pair> = of_groups.into_iter().flatten().collect();
         if let Some((image, areas)) = &self.image {
             pairs.extend(image_pairs(image, areas, points, &normals, rules.reach));
         }

@@ -112,7 +112,8 @@ impl Registration {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
             if let Some(pieces) = pieces.as_ref().filter(|_| level.springs.is_none()) {
-                owned = Some(pieces.shared_out(&mut whole, &state.points, &level.rules));
+                let before = owned.take();
+                owned = Some(pieces.shared_out(&mut whole, &state.points, &level.rules, before));
             }
         }
         attempt.enter(run, "joints and residuals", 0.95);

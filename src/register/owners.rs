@@ -27,6 +27,8 @@ pub(super) struct Pieces<'a> {
 
 /// The surface of each bone that has pieces of its own, and what is left for the other bones.
 pub(super) struct Owned {
+    /// The bone that each piece belongs to.
+    owner: Vec<Option<usize>>,
     of_bone: Vec<Option<SearchedSurface>>,
     rest: SearchedSurface,
 }
@@ -43,12 +45,14 @@ impl<'a> Pieces<'a> {
         (count > 1).then_some(Self { surface, of_triangle, count, bone_count })
     }
 
-    /// Shares the pieces out among bones that lie at `points`; `search` seeks all bones on the whole surface.
+    /// Shares the pieces out among bones that lie at `points`; `search` seeks all bones on the whole surface,
+    /// `before` is what was shared out last.
     pub(super) fn shared_out(
         &self,
         search: &mut Correspond,
         points: &[Vec3],
         rules: &PairRules,
+        before: Option<Owned>,
     ) -> Owned {
         search.at(points, rules);
         let mut of_vertex = vec![u32::MAX; self.surface.mesh.points.len()];
@@ -63,23 +67,26 @@ impl<'a> Pieces<'a> {
                 add(shares, bone, area);
             }
         }
-        let owner: Vec<Option<u32>> = by_bone.iter().map(|shares| most_of(shares)).collect();
+        let most: Vec<Option<usize>> = by_bone.iter().map(|shares| most_of(shares)).collect();
         let mut areas = vec![[0.0; 2]; self.bone_count];
         for (bone, triangle, area) in search.met_by_bones() {
-            let own = owner[self.of_triangle[triangle as usize] as usize] == Some(bone);
+            let own = most[self.of_triangle[triangle as usize] as usize] == Some(bone as usize);
             areas[bone as usize][usize::from(own)] += area;
         }
         let has_own: Vec<bool> =
             areas.iter().map(|[other, own]| *own > 0.0 && *own >= OWN * (own + other)).collect();
-        let owner_at = |v: u32| {
-            let owner = owner.get(of_vertex[v as usize] as usize)?.filter(|&b| has_own[b as usize]);
-            owner.map(|b| b as usize)
-        };
+        let owner: Vec<Option<usize>> =
+            most.into_iter().map(|most| most.filter(|&bone| has_own[bone])).collect();
+        if let Some(before) = before.filter(|before| before.owner == owner) {
+            return before;
+        }
+        let owner_at = |v: u32| owner.get(of_vertex[v as usize] as usize).copied().flatten();
         let of_bone = (0..self.bone_count)
             .into_par_iter()
             .map(|b| has_own[b].then(|| self.surface.part(|v| owner_at(v) == Some(b))))
             .collect();
-        Owned { of_bone, rest: self.surface.part(|v| owner_at(v).is_none()) }
+        let rest = self.surface.part(|v| owner_at(v).is_none());
+        Owned { owner, of_bone, rest }
     }
 }
 
@@ -91,10 +98,10 @@ fn add(shares: &mut Vec<(u32, f64)>, bone: u32, area: f64) {
 }
 
 /// The bone that holds most of a piece, if it holds enough.
-fn most_of(shares: &[(u32, f64)]) -> Option<u32> {
+fn most_of(shares: &[(u32, f64)]) -> Option<usize> {
     let whole: f64 = shares.iter().map(|(_, area)| area).sum();
     let &(bone, most) = shares.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (most >= OWN * whole).then_some(bone)
+    (most >= OWN * whole).then_some(bone as usize)
 }
 
 impl Owned {
@@ -139,7 +146,7 @@ mod tests {
         let registration = Registration::new(skeleton.clone(), Options::default()).unwrap();
         let rules = registration.rules(-1.0, None);
         let mut search = registration.search(&target, 0.0);
-        let owned = pieces.shared_out(&mut search, &skeleton.points, &rules);
+        let owned = pieces.shared_out(&mut search, &skeleton.points, &rules, None);
         let parts = owned.parts();
         let bones: Vec<_> = parts.iter().map(|part| part.bones.clone()).collect();
         assert_eq!(bones, [vec![0], vec![1, 2]]);

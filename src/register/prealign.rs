@@ -195,8 +195,9 @@ impl<'a> Alignment<'a> {
     fn refined(&self, start: Isometry3<f64>, rounds: usize) -> (Isometry3<f64>, f64) {
         let mut motion = start;
         let mut error = f64::INFINITY;
+        let mut hits = [&self.forward, &self.backward].map(|of| vec![u32::MAX; of.vertices.len()]);
         for _ in 0..rounds {
-            let (next, now) = self.round(&motion);
+            let (next, now) = self.round(&motion, &mut hits);
             let Some(next) = next else { break };
             if now > error * (1.0 - 1e-4) {
                 break;
@@ -204,10 +205,15 @@ impl<'a> Alignment<'a> {
             motion = next;
             error = now;
         }
-        (motion, self.round(&motion).1)
+        (motion, self.round(&motion, &mut hits).1)
     }
 
-    fn round(&self, motion: &Isometry3<f64>) -> (Option<Isometry3<f64>>, f64) {
+    /// `hits` are the triangles found last on both sides, where the search begins.
+    fn round(
+        &self,
+        motion: &Isometry3<f64>,
+        [ahead, behind]: &mut [Vec<u32>; 2],
+    ) -> (Option<Isometry3<f64>>, f64) {
         let mut sums = PairSums::new(Vec3::zeros());
         let (mut squares, mut weight) = (0.0, 0.0);
         let mut add = |from: &Vec3, to: &Vec3, cosine: f64, area: f64| {
@@ -217,20 +223,23 @@ impl<'a> Alignment<'a> {
             squares += penalty * area * (moved(motion, from) - to).norm_squared();
             weight += area;
         };
-        for (&i, &area) in self.forward.vertices.iter().zip(&self.forward.areas) {
+        let places = self.forward.vertices.iter().zip(&self.forward.areas);
+        for ((&i, &area), last) in places.zip(ahead) {
             let from = &self.template.points[i as usize];
-            let hit = self.surface.search.closest(&moved(motion, from));
+            let hit = self.surface.search.closest_from(&moved(motion, from), *last);
             let seen = |hit: &SurfacePoint| !self.surface.border.has(&self.surface.mesh, hit);
-            if let Some(hit) = hit.filter(seen) {
+            if let Some(hit) = hit.inspect(|hit| *last = hit.triangle).filter(seen) {
                 let normal = motion.rotation * self.normals[i as usize];
                 let cosine = normal.dot(&self.surface.face_normals[hit.triangle as usize]);
                 add(from, &hit.position, cosine, area);
             }
         }
         let back = motion.inverse();
-        for (&q, &area) in self.backward.vertices.iter().zip(&self.backward.areas) {
+        let places = self.backward.vertices.iter().zip(&self.backward.areas);
+        for ((&q, &area), last) in places.zip(behind) {
             let to = &self.surface.mesh.points[q as usize];
-            if let Some(hit) = self.search.closest(&moved(&back, to)) {
+            if let Some(hit) = self.search.closest_from(&moved(&back, to), *last) {
+                *last = hit.triangle;
                 let normal = motion.rotation * self.faces[hit.triangle as usize];
                 let cosine = normal.dot(&self.surface.vertex_normals[q as usize]);
                 add(&hit.position, to, cosine, area);
