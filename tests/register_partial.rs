@@ -31,9 +31,14 @@ fn error(found: &Registered, b: usize, truth: &TriMesh) -> f64 {
 #[test]
 fn a_hand_cut_off_across_its_fingers_is_found_as_far_as_it_is_seen() {
     let truth = hand();
-    let scan = damage::cut(&truth, 0.33, true);
+    is_found_as_far_as_it_is_seen(damage::cut(&truth, 0.33, true), &truth, false);
+    is_found_as_far_as_it_is_seen(damage::cut_and_closed(&truth, 0.33, true), &truth, true);
+}
+
+fn is_found_as_far_as_it_is_seen(scan: TriMesh, truth: &TriMesh, closed: bool) {
     let search = ClosestPoints::new(&scan.points, &scan.triangles);
     let found = found(scan);
+    assert_eq!(found.notes.iter().any(|note| note.contains("ends in flat faces")), closed);
     let (mut whole, mut gone) = (0, 0);
     for (b, bone) in found.bones.iter().enumerate() {
         let range = found.skeleton.bones[b].vertices.clone();
@@ -42,7 +47,7 @@ fn a_hand_cut_off_across_its_fingers_is_found_as_far_as_it_is_seen() {
         let seen = places.iter().filter(|p| search.closest_within(p, 1e-9).is_some()).count();
         if seen == count {
             whole += 1;
-            let error = error(&found, b, &truth);
+            let error = error(&found, b, truth);
             assert!(error < 0.3, "{error} {bone:?}");
         } else if seen == 0 {
             gone += 1;

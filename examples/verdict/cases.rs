@@ -186,6 +186,8 @@ fn hand(data: &Path) -> Vec<Case> {
         hand.without(&["lunate", "capitate", "3mc", "2midph"]),
         hand.case("third cut off at one end", damage::cut(scan, 0.33, true)),
         hand.case("third cut off at the other end", damage::cut(scan, 0.33, false)),
+        hand.case("third cut off at one end, closed", damage::cut_and_closed(scan, 0.33, true)),
+        hand.case("third cut off at the other, closed", damage::cut_and_closed(scan, 0.33, false)),
         hand.case("tenth cut off at one end", damage::cut(scan, 0.1, true)),
         hand.case("tenth cut off at the other end", damage::cut(scan, 0.1, false)),
         hand.case("holes, a third", damage::holes(scan, 0.33, 6.0)),
@@ -250,6 +252,8 @@ fn leg(data: &Path) -> Vec<Case> {
     }
     cases.push(leg.case("tenth cut off at one end", damage::cut(&leg.scan, 0.1, true)));
     cases.push(leg.case("tenth cut off at the other end", damage::cut(&leg.scan, 0.1, false)));
+    let closed = damage::cut_and_closed(&leg.scan, 0.1, true);
+    cases.push(leg.case("tenth cut off at one end, closed", closed));
     cases.push(straighter_knee(&leg));
     let mirrored = damage::inside_out(&mapped(&leg.scan, |p| Vec3::new(-p.x, p.y, p.z)));
     cases.push(Case { refused: true, ..leg.case("mirrored", mirrored) });

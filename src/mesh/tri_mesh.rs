@@ -65,6 +65,26 @@ impl TriMesh {
         (0..self.triangles.len()).map(of_triangle).sum()
     }
 
+    /// The triangles, by number, that `keep` holds, with their points in their order.
+    #[must_use]
+    pub fn part(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let kept = self.triangles.iter().enumerate().filter(|(t, _)| keep(*t));
+        let mut triangles: Vec<[u32; 3]> = kept.map(|(_, triangle)| *triangle).collect();
+        let mut number = vec![u32::MAX; self.points.len()];
+        for &v in triangles.as_flattened() {
+            number[v as usize] = 0;
+        }
+        let mut points = Vec::new();
+        for (number, point) in number.iter_mut().zip(&self.points) {
+            if *number == 0 {
+                *number = points.len() as u32;
+                points.push(*point);
+            }
+        }
+        triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
+        Self { points, triangles }
+    }
+
     /// Area-weighted vertex normals, unit length (zero where no face has an area).
     pub fn vertex_normals(&self) -> Vec<Vec3> {
         let areas = area_vectors(&self.points, &self.triangles);

@@ -29,6 +29,7 @@ pub mod joint_path;
 mod landmarks;
 mod level;
 mod levels;
+mod lids;
 mod main_loop;
 mod model_shapes;
 mod neighbours;

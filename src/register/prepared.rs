@@ -1,5 +1,7 @@
-//! What is done to a target's surface before it is used: turned outwards, smoothed where it is noise.
+//! What is done to a target's surface before it is used: lids are opened, noise is smoothed, what faces inwards
+//! is turned.
 
+use super::lids::open_lids;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
 use crate::mesh::adjacency::{components, first_at_place, vertex_neighbours};
@@ -14,6 +16,8 @@ const MOST_ROUNDS: usize = 12;
 /// A surface ready for the search.
 pub(super) struct Prepared {
     pub(super) mesh: TriMesh,
+    /// Flat ends that were taken out.
+    pub(super) lids: usize,
     /// Its triangles faced inwards.
     pub(super) turned: bool,
     /// It was noisy.
@@ -21,7 +25,8 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    pub(super) fn new(mesh: TriMesh) -> Self {
+    pub(super) fn new(mut mesh: TriMesh) -> Self {
+        let lids = open_lids(&mut mesh);
         // One number for all vertices of a place, so that seams do not count as edges.
         let first = first_at_place(&mesh.points);
         let joined: Vec<[u32; 3]> =
@@ -30,7 +35,7 @@ impl Prepared {
         let smoothed = steady.is_some();
         let mesh = TriMesh { points: steady.unwrap_or(mesh.points), ..mesh };
         let (mesh, turned) = facing_outwards(mesh, &joined);
-        Self { mesh, turned, smoothed }
+        Self { mesh, lids, turned, smoothed }
     }
 }
 

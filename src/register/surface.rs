@@ -33,16 +33,6 @@ impl SearchedSurface {
 
     /// The triangles whose vertices `keep` holds.
     pub(super) fn part(&self, keep: impl Fn(u32) -> bool) -> Self {
-        let mut number = vec![u32::MAX; self.mesh.points.len()];
-        let mut points = Vec::new();
-        for (v, point) in self.mesh.points.iter().enumerate() {
-            if keep(v as u32) {
-                number[v] = points.len() as u32;
-                points.push(*point);
-            }
-        }
-        let renumbered = self.mesh.triangles.iter().map(|t| t.map(|v| number[v as usize]));
-        let triangles = renumbered.filter(|t| !t.contains(&u32::MAX)).collect();
-        Self::new(TriMesh { points, triangles })
+        Self::new(self.mesh.part(|t| self.mesh.triangles[t].iter().all(|&v| keep(v))))
     }
 }

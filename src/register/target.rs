@@ -13,6 +13,8 @@ use crate::volume::Volume;
 /// What the skeleton is registered to.
 #[derive(Clone, Debug)]
 pub struct Target {
+    /// Flat ends of the surfaces that were taken for cuts.
+    pub(super) lids: usize,
     /// Some surface came with its normals inwards and was turned.
     pub(super) turned: bool,
     /// Some surface was so noisy that it was smoothed.
@@ -35,21 +37,21 @@ pub(super) struct Part<'a> {
 
 impl Target {
     /// One surface of the whole skeleton; bones may be fused. It may be open and noisy. A surface whose
-    /// triangles face inwards is turned, a very noisy one smoothed.
+    /// triangles face inwards is turned, a very noisy one smoothed, and flat ends are taken for cuts.
     pub fn whole(surface: TriMesh) -> Result<Self> {
         if surface.triangles.is_empty() {
             return Err(Error::invalid("the target surface has no triangles"));
         }
-        let Prepared { mesh, turned, smoothed } = Prepared::new(surface);
+        let Prepared { mesh, lids, turned, smoothed } = Prepared::new(surface);
         let surfaces = vec![Some(SearchedSurface::new(mesh))];
-        Ok(Self { turned, smoothed, surfaces, ..Self::empty() })
+        Ok(Self { lids, turned, smoothed, surfaces, ..Self::empty() })
     }
 
     /// A surface for each named bone; bones that are not named have no data of their own and follow
     /// their joints.
     pub fn per_bone(skeleton: &Skeleton, surfaces: Vec<(String, TriMesh)>) -> Result<Self> {
         let mut of_bone: Vec<Option<SearchedSurface>> = vec![None; skeleton.bones.len()];
-        let (mut turned, mut smoothed) = (false, false);
+        let (mut lids, mut turned, mut smoothed) = (0, false, false);
         for (name, mesh) in surfaces {
             let b = skeleton.bone_index(&name).ok_or_else(|| {
                 Error::invalid(format!(
@@ -62,6 +64,7 @@ impl Target {
                 )));
             }
             let prepared = Prepared::new(mesh);
+            lids += prepared.lids;
             turned |= prepared.turned;
             smoothed |= prepared.smoothed;
             if of_bone[b].replace(SearchedSurface::new(prepared.mesh)).is_some() {
@@ -72,7 +75,7 @@ impl Target {
             return Err(Error::invalid("the target names no bone of the skeleton"));
         }
         let surfaces = of_bone;
-        Ok(Self { turned, smoothed, surfaces, labelled: true, ..Self::empty() })
+        Ok(Self { lids, turned, smoothed, surfaces, labelled: true, ..Self::empty() })
     }
 
     /// An image of the person, in which the template already lies roughly on its bones (within the
@@ -95,6 +98,7 @@ impl Target {
 
     fn empty() -> Self {
         Self {
+            lids: 0,
             turned: false,
             smoothed: false,
             left_out: 0.0,
@@ -147,6 +151,12 @@ impl Target {
     /// What was done to it, in sentences.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
+        if self.lids > 0 {
+            let ends = if self.lids == 1 { "a flat face" } else { "flat faces" };
+            notes.push(format!(
+                "the target ends in {ends}, as where a plane cuts it off; beyond it shows nothing"
+            ));
+        }
         if self.turned {
             notes.push("the target's triangles face inwards; they were turned".to_owned());
         }

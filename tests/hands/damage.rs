@@ -1,7 +1,10 @@
 //! What happens to scans: pieces missing, noise, things that do not belong there.
 
+use std::collections::HashSet;
+
 use moulage::TriMesh;
 use moulage::math::Vec3;
+use moulage::mesh::adjacency::components;
 use moulage::mesh::normals::area_vectors;
 
 use super::Noise;
@@ -52,15 +55,43 @@ fn middle(mesh: &TriMesh, t: usize) -> Vec3 {
     mesh.corners(t).iter().sum::<Vec3>() / 3.0
 }
 
-/// Without the outermost share of the triangles along the longest axis, at its one end or the other.
-pub fn cut(mesh: &TriMesh, share: f64, far_end: bool) -> TriMesh {
+/// A plane across the longest axis, at its one end or the other: its normal, and the place on it beyond which
+/// a share of the triangles lies.
+fn cutting_plane(mesh: &TriMesh, share: f64, far_end: bool) -> (Vec3, f64) {
     let axis = axes(mesh)[0] * if far_end { 1.0 } else { -1.0 };
     let mut along: Vec<f64> =
         (0..mesh.triangles.len()).map(|t| axis.dot(&middle(mesh, t))).collect();
-    let here = along.clone();
     along.sort_by(f64::total_cmp);
-    let edge = along[((1.0 - share) * (along.len() - 1) as f64) as usize];
-    kept(mesh, |t| here[t] <= edge)
+    (axis, along[((1.0 - share) * (along.len() - 1) as f64) as usize])
+}
+
+/// Without the outermost share of the triangles along the longest axis, at its one end or the other.
+pub fn cut(mesh: &TriMesh, share: f64, far_end: bool) -> TriMesh {
+    let (axis, edge) = cutting_plane(mesh, share, far_end);
+    kept(mesh, |t| axis.dot(&middle(mesh, t)) <= edge)
+}
+
+/// The same, cut straight and closed with flat lids.
+pub fn cut_and_closed(mesh: &TriMesh, share: f64, far_end: bool) -> TriMesh {
+    let (axis, edge) = cutting_plane(mesh, share, far_end);
+    let mut part = kept(mesh, |t| mesh.corners(t).iter().any(|p| axis.dot(p) < edge));
+    for p in &mut part.points {
+        *p -= axis * (axis.dot(p) - edge).max(0.0);
+    }
+    let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+    let all: HashSet<[u32; 2]> = part.triangles.iter().flat_map(sides).collect();
+    let rim: Vec<[u32; 2]> =
+        part.triangles.iter().flat_map(sides).filter(|[a, b]| !all.contains(&[*b, *a])).collect();
+    let loops = components(part.points.len(), &rim);
+    for own in 0..=loops.iter().copied().max().unwrap_or(0) {
+        let edges: Vec<[u32; 2]> =
+            rim.iter().zip(&loops).filter(|(_, l)| **l == own).map(|(e, _)| *e).collect();
+        let sum: Vec3 = edges.iter().map(|[a, _]| part.points[*a as usize]).sum();
+        let middle = part.points.len() as u32;
+        part.points.push(sum / edges.len() as f64);
+        part.triangles.extend(edges.iter().map(|[a, b]| [*b, *a, middle]));
+    }
+    part
 }
 
 /// Round holes at random places until this share of the triangles is gone.
