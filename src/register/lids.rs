@@ -100,7 +100,7 @@ impl Piece {
             return Vec::new();
         }
         let least = 2.0 * PI * (LEAST_RADIUS / FLAT * self.flat).powi(2);
-        let large = faces.into_iter().filter(|(_, area)| *area >= least).map(|(plane, _)| plane);
+        let large = faces.into_iter().filter(|(_, area)| *area > least).map(|(plane, _)| plane);
         let mut lids: Vec<Plane> = Vec::new();
         for plane in large {
             let heights = || self.corners.as_flattened().iter().map(|p| plane.height(p));
@@ -190,6 +190,9 @@ mod tests {
         assert_eq!(opened(twice).0, 2);
         assert_eq!(opened(ball_closed_at(2.0)), (0, 0));
         assert_eq!(opened(block(Vec3::zeros(), Vec3::new(4.0, 2.0, 1.0), 6)), (0, 0));
+        // Without any area there is no face.
+        let points = vec![Vec3::repeat(1.0); cut.points.len()];
+        assert_eq!(opened(TriMesh { points, ..cut.clone() }), (0, 0));
         // A dent is no end.
         let dented = |p: &Vec3| if p.z > 0.6 && p.xy().norm() < 0.5 { p.z.min(0.62) } else { p.z };
         let mut ball = ball_closed_at(2.0);
