@@ -129,6 +129,11 @@ pub fn first_at_place(points: &[Vec3]) -> Vec<u32> {
     points.map(|(v, p)| *first_at.entry(place(p)).or_insert(v as u32)).collect()
 }
 
+/// Cells with other numbers for their vertices.
+pub fn renumbered<const N: usize>(cells: &[[u32; N]], number: &[u32]) -> Vec<[u32; N]> {
+    cells.iter().map(|cell| cell.map(|v| number[v as usize])).collect()
+}
+
 /// Union-find; the root of a set is its lowest member.
 #[derive(Clone, Debug)]
 pub struct DisjointSets(Vec<u32>);

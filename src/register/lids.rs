@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
-use crate::mesh::adjacency::{DisjointSets, components, first_at_place};
+use crate::mesh::adjacency::{DisjointSets, components, first_at_place, renumbered};
 use crate::mesh::diagonal;
 use crate::mesh::normals::unit_or_zero;
 
@@ -47,8 +47,7 @@ impl Plane {
 /// Takes the lids out of a surface; how many there were.
 pub(super) fn open_lids(mesh: &mut TriMesh) -> usize {
     let first = first_at_place(&mesh.points);
-    let joined: Vec<[u32; 3]> =
-        mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+    let joined = renumbered(&mesh.triangles, &first);
     let piece_of = components(mesh.points.len(), &joined);
     let count = piece_of.iter().max().map_or(0, |&last| last as usize + 1);
     let mut pieces = vec![Vec::new(); count];

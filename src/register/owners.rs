@@ -11,7 +11,7 @@ use super::pairs::PairRules;
 use super::surface::SearchedSurface;
 use super::target::{Part, Target};
 use crate::math::Vec3;
-use crate::mesh::adjacency::{components, first_at_place};
+use crate::mesh::adjacency::{components, first_at_place, renumbered};
 
 /// A piece is a bone's own when so much of it lies nearest to the bone, and so much of the bone nearest to
 /// its own pieces.
@@ -38,8 +38,7 @@ impl<'a> Pieces<'a> {
     pub(super) fn new(target: &'a Target, bone_count: usize) -> Option<Self> {
         let surface = target.surfaces.first()?.as_ref().filter(|_| !target.labelled)?;
         let first = first_at_place(&surface.mesh.points);
-        let joined: Vec<[u32; 3]> =
-            surface.mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+        let joined = renumbered(&surface.mesh.triangles, &first);
         let of_triangle = components(first.len(), &joined);
         let count = of_triangle.iter().max().map_or(0, |&last| last as usize + 1);
         (count > 1).then_some(Self { surface, of_triangle, count, bone_count })

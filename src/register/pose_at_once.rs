@@ -43,7 +43,7 @@ pub fn nearest_pose(
     steps: usize,
 ) -> ProjectedPose {
     let start = project_pose(skeleton, moments, goals, sweeps);
-    if start.sweeps == 0 && start.violated == 0 {
+    if steps == 0 || start.sweeps == 0 && start.violated == 0 {
         return start;
     }
     let centres: Vec<Vec3> = moments.iter().map(|m| m.centre).collect();

@@ -4,7 +4,7 @@
 use super::lids::open_lids;
 use crate::math::Vec3;
 use crate::mesh::TriMesh;
-use crate::mesh::adjacency::{components, first_at_place, vertex_neighbours};
+use crate::mesh::adjacency::{components, first_at_place, renumbered, vertex_neighbours};
 use crate::mesh::normals::{area_vectors, unit_or_zero};
 
 /// Triangles agree with those around them from this mean cosine on. A bone's surface has .95 and more, one
@@ -29,8 +29,7 @@ impl Prepared {
         let lids = open_lids(&mut mesh);
         // One number for all vertices of a place, so that seams do not count as edges.
         let first = first_at_place(&mesh.points);
-        let joined: Vec<[u32; 3]> =
-            mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+        let joined = renumbered(&mesh.triangles, &first);
         let steady = smoothed(&mesh.points, &joined, &first);
         let smoothed = steady.is_some();
         let mesh = TriMesh { points: steady.unwrap_or(mesh.points), ..mesh };

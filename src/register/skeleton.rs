@@ -179,6 +179,11 @@ impl Skeleton {
         bone_of
     }
 
+    /// The surface of all bones.
+    pub fn surface(&self) -> TriMesh {
+        TriMesh { points: self.points.clone(), triangles: self.triangles.clone() }
+    }
+
     /// The surface of bone `b` at given vertex positions of the whole skeleton, in the vertex order
     /// of the template's bone.
     pub fn bone_surface(&self, b: usize, points: &[Vec3]) -> TriMesh {

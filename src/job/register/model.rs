@@ -211,7 +211,7 @@ fn mode_picture(
             if share > 0.0 { [0.9, fade, fade] } else { [fade, fade, 0.9] }
         })
         .collect();
-    let mesh = TriMesh { points: shape.points.clone(), triangles: shape.triangles.clone() };
+    let mesh = shape.surface();
     let frame: Vec<Vec3> = frame.points.iter().chain(&shape.points).copied().collect();
     draw(&mesh, &colours, &[], &frame, View::Side)
 }

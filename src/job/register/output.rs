@@ -15,10 +15,9 @@ use crate::io::skeleton::{ReferenceImage, SkeletonDocument, SoftEntry};
 use crate::io::{
     check_output, check_writable, file_names, read_volume, write_beside, write_ply, write_profiles,
 };
-use crate::mesh::TriMesh;
 use crate::register::animation::{Motion, present_angles};
 use crate::register::transfer::carry_soft_tissue;
-use crate::register::{Appearance, Registered, Skeleton, Target};
+use crate::register::{Appearance, Registered};
 
 /// What was written.
 pub(crate) struct Written {
@@ -99,19 +98,17 @@ pub(crate) fn write(
 
 /// All bones with what is known at each vertex: the number of its bone and the verdict on it (0 good, 1
 /// doubtful, 2 failed), whether the target shows it, and its distance to the target (not for images).
-pub(crate) fn write_seen(path: &Path, target: &Target, found: &Registered) -> Result<()> {
-    let Skeleton { points, triangles, .. } = &found.skeleton;
+pub(crate) fn write_seen(path: &Path, distances: &[f64], found: &Registered) -> Result<()> {
     let bone_of = found.skeleton.bone_of_vertex();
     let bones: Vec<f64> = bone_of.iter().map(|&b| f64::from(b)).collect();
     let verdict = |&b: &u32| f64::from(found.bones[b as usize].verdict as u8);
     let verdicts: Vec<f64> = bone_of.iter().map(verdict).collect();
-    let distances = target.distances(&found.skeleton);
     let mut scalars: Vec<(&str, &[f64])> =
         vec![("bone", &bones), ("verdict", &verdicts), ("seen", &found.seen)];
     if distances.iter().any(|d| !d.is_nan()) {
-        scalars.push(("distance", &distances));
+        scalars.push(("distance", distances));
     }
-    write_ply(path, &TriMesh { points: points.clone(), triangles: triangles.clone() }, &scalars)
+    write_ply(path, &found.skeleton.surface(), &scalars)
 }
 
 /// The person's skeleton file, with all that the template's says and the figures of the result; bones

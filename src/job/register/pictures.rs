@@ -30,12 +30,18 @@ fn verdict_colour(verdict: Verdict) -> Colour {
     }
 }
 
-pub(super) fn pictures(template: &Skeleton, target: &Target, found: &Registered) -> String {
-    let view = turning(template, target, found);
+/// `distances`: of the person's vertices to the target.
+pub(super) fn pictures(
+    template: &Skeleton,
+    target: &Target,
+    distances: &[f64],
+    found: &Registered,
+) -> String {
+    let view = turning(template, target, distances, found);
     format!("<h2>Shape</h2>\n{}", view.html(&still(template, found)))
 }
 
-fn turning(template: &Skeleton, target: &Target, found: &Registered) -> View3d {
+fn turning(template: &Skeleton, target: &Target, distances: &[f64], found: &Registered) -> View3d {
     let mut view = View3d::between(["template", "person"]);
     let person = &found.skeleton;
     let bones = || template.bones.iter().enumerate();
@@ -61,7 +67,6 @@ fn turning(template: &Skeleton, target: &Target, found: &Registered) -> View3d {
         &seen_ramp(),
         &of_bones(template, &found.seen),
     );
-    let distances = target.distances(person);
     let known: Vec<f64> = distances.iter().copied().filter(|d| !d.is_nan()).collect();
     if !known.is_empty() {
         let ramp = Ramp::scaled(&DISTANCE, Spread::of(&known).p95);
@@ -69,7 +74,7 @@ fn turning(template: &Skeleton, target: &Target, found: &Registered) -> View3d {
             "Distance",
             "distance to the target".to_owned(),
             &ramp,
-            &of_bones(template, &distances),
+            &of_bones(template, distances),
         );
     }
     view
@@ -95,8 +100,7 @@ fn still(template: &Skeleton, found: &Registered) -> String {
         ),
     ];
     let part = |(title, key, skeleton, colours): (&str, &str, &Skeleton, Vec<Colour>)| {
-        let mesh =
-            TriMesh { points: skeleton.points.clone(), triangles: skeleton.triangles.clone() };
+        let mesh = skeleton.surface();
         let picture = |view| image(&draw(&mesh, &colours, &[], &mesh.points, view), title);
         let views = [View::Front, View::Side].map(picture);
         format!("<h3>{title}</h3>\n<p>{key}</p>\n{}", views.concat())

@@ -112,14 +112,16 @@ impl RegisterReport {
         )
     }
 
+    /// `distances`: of the person's vertices to the target.
     pub(crate) fn write(
         &self,
         folder: &Path,
         template: &Skeleton,
         target: &Target,
+        distances: &[f64],
         found: &Registered,
     ) -> Result<()> {
-        write_report(folder, self, &self.page(&pictures(template, target, found)))
+        write_report(folder, self, &self.page(&pictures(template, target, distances, found)))
     }
 
     fn page(&self, pictures: &str) -> String {

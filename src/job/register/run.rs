@@ -15,7 +15,7 @@ use super::target::read_target;
 use crate::error::Result;
 use crate::io::skeleton::SkeletonDocument;
 use crate::register::options::Levels;
-use crate::register::{Options, Registered, Registration, ShapeModel};
+use crate::register::{Options, Registered, Registration, ShapeModel, Skeleton, Target};
 use crate::run::Run;
 use crate::threads::on_threads;
 
@@ -68,16 +68,31 @@ fn run_here(job: &RegisterJob, run: &Run) -> Result<RegisterResult> {
         report.written = written.files;
         report.warnings.extend(written.notes);
     }
-    let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
-    for path in job.ply_out.iter().chain(&in_report) {
-        output::write_seen(path, &target, &registered)?;
-        report.written.push(path.clone());
-    }
-    if let Some(folder) = &job.report {
-        report.write(folder, &files.skeleton, &target, &registered)?;
+    if job.ply_out.is_some() || job.report.is_some() {
+        write_to_look_at(job, &files.skeleton, &target, &registered, &mut report)?;
     }
     run.enter("done", 1.0);
     Ok(RegisterResult { report, registered })
+}
+
+/// Writes the bones with what is known at each vertex, and the report.
+fn write_to_look_at(
+    job: &RegisterJob,
+    template: &Skeleton,
+    target: &Target,
+    found: &Registered,
+    report: &mut RegisterReport,
+) -> Result<()> {
+    let distances = target.distances(&found.skeleton);
+    let in_report = job.report.as_ref().map(|folder| folder.join("result.ply"));
+    for path in job.ply_out.iter().chain(&in_report) {
+        output::write_seen(path, &distances, found)?;
+        report.written.push(path.clone());
+    }
+    if let Some(folder) = &job.report {
+        report.write(folder, template, target, &distances, found)?;
+    }
+    Ok(())
 }
 
 /// The statistics that the job or the skeleton file names.
