@@ -252,6 +252,11 @@ fn leg(data: &Path) -> Vec<Case> {
     }
     cases.push(leg.case("tenth cut off at one end", damage::cut(&leg.scan, 0.1, true)));
     cases.push(leg.case("tenth cut off at the other end", damage::cut(&leg.scan, 0.1, false)));
+    for (name, share) in [("twelfth", 0.08), ("sixth", 0.16), ("quarter", 0.25)] {
+        cases.push(
+            leg.case(&format!("{name} cut off at one end"), damage::cut(&leg.scan, share, true)),
+        );
+    }
     let closed = damage::cut_and_closed(&leg.scan, 0.1, true);
     cases.push(leg.case("tenth cut off at one end, closed", closed));
     cases.push(straighter_knee(&leg));

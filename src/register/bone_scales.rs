@@ -4,17 +4,19 @@
 //! [G] section 3.3 uses "a fictitious scaling component" where samples are too few for an analysis.
 //! Here the scales are a small hierarchy: one for the skeleton, one per bone pulled towards it, and
 //! one per principal axis pulled towards that of the bone.
+//! What the data say of a bone's scales: [`ScaledBone`].
 
-use nalgebra::{Isometry3, SymmetricEigen};
+use nalgebra::Isometry3;
 use rayon::prelude::*;
 
-use super::pose::{BoneMoments, moved};
-use super::rotation::PairSums;
+use super::pose::moved;
+use super::scaled_bone::{ScaleData, ScaledBone};
 use super::skeleton::Skeleton;
 use crate::math::{Mat3, Vec3};
+use crate::mesh::normals::{area_vectors, vertex_normals};
 
-/// Rounds of fitting pose and scale in turn; the main loop goes on from the scales found.
-const ROUNDS: usize = 1;
+/// Weight by which an axis that nothing is known of still keeps to its bone's scale.
+const LEAST_PULL: f64 = 1e-9;
 
 /// How freely bones scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,9 +34,9 @@ pub enum ScaleFreedom {
 /// How strongly scales are held together, and how far they may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleOptions {
-    /// Pull of a bone's scale towards the skeleton's, as a share of the data's own weight.
+    /// Pull of a bone's scale towards the skeleton's, as a share of what the whole bone's surface says.
     pub bone_pull: f64,
-    /// Pull of an axis's scale towards its bone's, as a share of the data's own weight.
+    /// Pull of an axis's scale towards its bone's, as a share of the same.
     pub axis_pull: f64,
     /// Largest factor of a bone's scale against the skeleton's, either way.
     pub max_ratio: f64,
@@ -49,45 +51,20 @@ impl Default for ScaleOptions {
 /// The template's bones in their principal axes, ready for scaling.
 #[derive(Clone, Debug)]
 pub struct BoneScales {
-    bones: Vec<Principal>,
+    bones: Vec<ScaledBone>,
     options: ScaleOptions,
-}
-
-#[derive(Clone, Debug)]
-struct Principal {
-    centre: Vec3,
-    /// World from principal axes.
-    axes: Mat3,
-    /// Second moments of the whole bone along them.
-    moments: Vec3,
-    area: f64,
-}
-
-/// Sums of one bone over the fit of its scales.
-struct BoneFit {
-    /// Template and wanted points in principal axes, products per axis.
-    xy: Vec3,
-    xx: Vec3,
 }
 
 impl BoneScales {
     /// Prepares the bones of the template.
     pub fn new(template: &Skeleton, areas: &[f64], options: ScaleOptions) -> Self {
-        let bones = template
-            .bones
-            .iter()
-            .map(|bone| {
-                let range = bone.vertices.clone();
-                let moments = BoneMoments::new(&template.points[range.clone()], &areas[range]);
-                let eigen = SymmetricEigen::new(moments.spread);
-                Principal {
-                    centre: moments.centre,
-                    axes: eigen.eigenvectors,
-                    moments: eigen.eigenvalues,
-                    area: moments.mass,
-                }
-            })
-            .collect();
+        let faces = area_vectors(&template.points, &template.triangles);
+        let normals = vertex_normals(template.points.len(), &template.triangles, &faces);
+        let bones = template.bones.iter().map(|bone| {
+            let range = bone.vertices.clone();
+            ScaledBone::new(&template.points[range.clone()], &normals[range.clone()], &areas[range])
+        });
+        let bones = bones.collect();
         Self { bones, options }
     }
 
@@ -101,95 +78,56 @@ impl BoneScales {
         start: &[Vec3],
         (freedom, pull): (ScaleFreedom, f64),
     ) -> Vec<Vec3> {
-        let mut scales = start.to_vec();
         if freedom == ScaleFreedom::Fixed {
-            return scales;
+            return start.to_vec();
         }
         // Mass for each unit of area: the pulls weigh as a bone that is seen as a whole.
         let density = masses.iter().sum::<f64>() / self.bones.iter().map(|b| b.area).sum::<f64>();
-        for _ in 0..ROUNDS {
-            let fits: Vec<BoneFit> = (0..self.bones.len())
-                .into_par_iter()
-                .map(|b| self.bone_fit(template, b, &scales[b], wanted, masses))
-                .collect();
-            scales = self.update(&fits, freedom, pull * density);
-        }
-        scales
+        let data: Vec<ScaleData> = self
+            .bones
+            .par_iter()
+            .zip(&template.bones)
+            .zip(start)
+            .map(|((own, bone), scale)| {
+                let range = bone.vertices.clone();
+                own.data(scale, &wanted[range.clone()], &masses[range])
+            })
+            .collect();
+        self.update(&data, freedom, pull * density)
     }
 
-    fn bone_fit(
-        &self,
-        template: &Skeleton,
-        b: usize,
-        scale: &Vec3,
-        wanted: &[Vec3],
-        masses: &[f64],
-    ) -> BoneFit {
-        let range = template.bones[b].vertices.clone();
-        let scaled: Vec<Vec3> =
-            template.points[range.clone()].iter().map(|p| self.scaled(b, p, scale)).collect();
-        let mut sums = PairSums::new(self.bones[b].centre);
-        let (mut x_mean, mut y_mean, mut mass) = (Vec3::zeros(), Vec3::zeros(), 0.0);
-        for (i, from) in range.clone().zip(&scaled) {
-            sums.add(from, &wanted[i], masses[i]);
-            x_mean += masses[i] * template.points[i];
-            y_mean += masses[i] * wanted[i];
-            mass += masses[i];
-        }
-        let Some(motion) = sums.best_rigid() else {
-            return BoneFit { xy: Vec3::zeros(), xx: Vec3::zeros() };
-        };
-        let (x_mean, y_mean) = (x_mean / mass, y_mean / mass);
-        let (into, back) = (self.bones[b].axes.transpose(), motion.rotation.inverse());
-        let mut fit = BoneFit { xy: Vec3::zeros(), xx: Vec3::zeros() };
-        for i in range {
-            let x = into * (template.points[i] - x_mean);
-            let y = into * (back * (wanted[i] - y_mean));
-            fit.xy += masses[i] * x.component_mul(&y);
-            fit.xx += masses[i] * x.component_mul(&x);
-        }
-        fit
-    }
-
-    fn update(&self, fits: &[BoneFit], freedom: ScaleFreedom, strength: f64) -> Vec<Vec3> {
-        let total_xx: f64 = fits.iter().map(|f| f.xx.sum()).sum();
-        let total_xy: f64 = fits.iter().map(|f| f.xy.sum()).sum();
-        let whole = if total_xx > 0.0 { (total_xy / total_xx).max(1e-3) } else { 1.0 };
+    fn update(&self, data: &[ScaleData], freedom: ScaleFreedom, strength: f64) -> Vec<Vec3> {
+        let weight: f64 = data.iter().map(|d| d.weight.sum()).sum();
+        let pull: f64 = data.iter().map(|d| d.pull.sum()).sum();
+        let whole = if weight > 0.0 { (pull / weight).max(1e-3) } else { 1.0 };
         let held = |scale: f64| {
             scale.clamp(whole / self.options.max_ratio, whole * self.options.max_ratio)
         };
-        fits.iter()
-            .zip(&self.bones)
-            .map(|(fit, of_bone)| {
-                let xx = fit.xx.sum();
-                if freedom == ScaleFreedom::Whole || xx <= 0.0 {
-                    return Vec3::repeat(whole);
-                }
-                let pull = strength * self.options.bone_pull * of_bone.moments.sum();
-                let bone = held((fit.xy.sum() + pull * whole) / (xx + pull));
-                if freedom == ScaleFreedom::PerBone {
-                    return Vec3::repeat(bone);
-                }
-                Vec3::from_fn(|k, _| {
-                    let pull = strength * self.options.axis_pull * of_bone.moments[k] + 1e-9 * xx;
-                    held((fit.xy[k] + pull * bone) / (fit.xx[k] + pull))
-                })
-            })
-            .collect()
-    }
-
-    /// A template point of bone `b` after scaling about the bone's centre.
-    fn scaled(&self, b: usize, point: &Vec3, scale: &Vec3) -> Vec3 {
-        let bone = &self.bones[b];
-        let local = bone.axes.transpose() * (point - bone.centre);
-        bone.centre + bone.axes * local.component_mul(scale)
+        let of_bone = |(data, own): (&ScaleData, &ScaledBone)| {
+            let weight = data.weight.sum();
+            if freedom == ScaleFreedom::Whole || weight <= 0.0 {
+                return Vec3::repeat(whole);
+            }
+            let to_whole = strength * self.options.bone_pull * own.weight.sum();
+            let bone = held((data.pull.sum() + to_whole * whole) / (weight + to_whole));
+            if freedom == ScaleFreedom::PerBone {
+                return Vec3::repeat(bone);
+            }
+            let to_bone = strength * self.options.axis_pull * own.weight.diagonal()
+                + Vec3::repeat(LEAST_PULL * weight);
+            let matrix = data.weight + Mat3::from_diagonal(&to_bone);
+            let solved = matrix.cholesky().map(|c| c.solve(&(data.pull + bone * to_bone)));
+            solved.unwrap_or(Vec3::repeat(bone)).map(held)
+        };
+        data.iter().zip(&self.bones).map(of_bone).collect()
     }
 
     /// The template's points after scaling, each bone about its own centre.
     pub fn shape(&self, template: &Skeleton, scales: &[Vec3]) -> Vec<Vec3> {
-        let shapes = template.bones.par_iter().enumerate().map(|(b, bone)| {
+        let shapes = self.bones.par_iter().zip(&template.bones).zip(scales);
+        let shapes = shapes.map(|((own, bone), scale)| {
             let points = &template.points[bone.vertices.clone()];
-            points.iter().map(|p| self.scaled(b, p, &scales[b])).collect::<Vec<_>>()
+            points.iter().map(|p| own.scaled(p, scale)).collect::<Vec<_>>()
         });
         shapes.collect::<Vec<_>>().concat()
     }
@@ -246,6 +184,8 @@ mod tests {
         let mut masses = areas.clone();
         masses[template.bones[1].vertices.clone()].fill(0.0);
         let scales = fit(&masses);
-        assert!((scales[1].x - scales[1].z).abs() < 1e-12 && (scales[1].x - 1.19).abs() < 0.05);
+        let of_all = (ScaleFreedom::Whole, 1.0);
+        let whole = model.fit(&template, &wanted, &masses, &scales, of_all)[1];
+        assert!((scales[1] - whole).norm() < 1e-6 && whole.x > 1.0 && whole.x < 1.2, "{whole}");
     }
 }

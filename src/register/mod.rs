@@ -51,6 +51,7 @@ mod riders;
 pub mod rotation;
 pub mod sampled_clusters;
 mod samples;
+mod scaled_bone;
 pub mod shape_model;
 pub mod skeleton;
 pub mod skin;
