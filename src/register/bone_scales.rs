@@ -123,12 +123,8 @@ impl BoneScales {
     }
 
     /// The template's points after scaling, each bone about its own centre.
-    pub fn shape(&self, template: &Skeleton, scales: &[Vec3]) -> Vec<Vec3> {
-        let shapes = self.bones.par_iter().zip(&template.bones).zip(scales);
-        let shapes = shapes.map(|((own, bone), scale)| {
-            let points = &template.points[bone.vertices.clone()];
-            points.iter().map(|p| own.scaled(p, scale)).collect::<Vec<_>>()
-        });
+    pub fn shape(&self, scales: &[Vec3]) -> Vec<Vec3> {
+        let shapes = self.bones.par_iter().zip(scales).map(|(bone, scale)| bone.shape(scale));
         shapes.collect::<Vec<_>>().concat()
     }
 }
@@ -177,7 +173,7 @@ mod tests {
             scales
         };
         let scales = fit(&areas);
-        let shape = put_in_place(&template, &model.shape(&template, &scales), &wanted, &areas);
+        let shape = put_in_place(&template, &model.shape(&scales), &wanted, &areas);
         let worst = shape.iter().zip(&wanted).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
         assert!(worst < 1e-6, "{worst}");
         // Without mass a bone takes the scale of the skeleton.

@@ -40,7 +40,7 @@ impl Registration {
             None => {
                 let fit = (level.freedom, level.scale_pull);
                 state.scales = self.scales.fit(&self.template, wanted, masses, &state.scales, fit);
-                Some(self.scales.shape(&self.template, &state.scales))
+                Some(self.scales.shape(&state.scales))
             }
         };
         if let Some(shape) = shape {
