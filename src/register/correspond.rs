@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::image::ImageTarget;
 use super::landmarks::PlacedLandmark;
-use super::pairs::{Group, Pair, PairRules, Side, image_pairs, median_distance};
+use super::pairs::{FOLLOWING, Group, Pair, PairRules, Side, image_pairs, median_distance};
 use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
 use super::target::{Part, Target};
@@ -50,12 +50,19 @@ impl Correspondences {
         }
     }
 
-    /// Lets vertices without a pair stay where `reference` has them.
-    pub fn rest_on(&mut self, reference: &[Vec3]) {
-        for ((wanted, weight), place) in self.wanted.iter_mut().zip(&self.weight).zip(reference) {
-            if *weight <= 0.0 {
-                *wanted = *place;
+    /// Lets vertices without a pair stay where `reference` has them, and holds there, lightly, what the target
+    /// does not show: a cluster that reaches the shown part with its rim alone would turn as that rim does,
+    /// and a vertex on which only triangles of the target pull would drift off.
+    pub fn rest_on(&mut self, reference: &[Vec3], masses: &mut [f64]) {
+        for (i, mass) in masses.iter_mut().enumerate() {
+            let held = FOLLOWING * self.unseen[i];
+            if self.weight[i] + held > 0.0 {
+                let share = held / (self.weight[i] + held);
+                self.wanted[i] = self.wanted[i].lerp(&reference[i], share);
+            } else {
+                self.wanted[i] = reference[i];
             }
+            *mass += held;
         }
     }
 
@@ -218,5 +225,47 @@ impl<'a> Correspond<'a> {
             rms_distance,
             normals: Vec::new(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::register::areas::vertex_areas;
+    use crate::register::pose::moved;
+    use crate::register::rotation::turned_about;
+    use crate::register::sampled_clusters::SampledClusters;
+    use crate::register::skeleton::tests::block;
+    use nalgebra::{Isometry3, UnitQuaternion};
+
+    #[test]
+    fn what_is_not_shown_does_not_turn_with_the_rim_of_what_is() {
+        let bar = block(Vec3::zeros(), Vec3::new(10.0, 1.0, 1.0), 20);
+        let areas = vertex_areas(&bar.points, &bar.triangles);
+        // Shown up to the middle, where the last of it wants to turn.
+        let turn = UnitQuaternion::from_scaled_axis(Vec3::new(0.0, 0.0, 0.3));
+        let bend = turned_about(&Isometry3::identity(), &Vec3::new(-2.0, 0.0, 0.0), turn);
+        let bent = |p: &Vec3| if p.x > -2.0 { moved(&bend, p) } else { *p };
+        let shown = |p: &Vec3| p.x <= 0.0;
+        let area = |keep: bool| {
+            let of = |(p, area): (&Vec3, &f64)| if shown(p) == keep { *area } else { 0.0 };
+            bar.points.iter().zip(&areas).map(of).collect::<Vec<f64>>()
+        };
+        let mut pairs = Correspondences {
+            wanted: bar.points.iter().map(bent).collect(),
+            weight: area(true),
+            unseen: area(false),
+            ..Correspondences::default()
+        };
+        let free: Vec<f64> = pairs.weight.iter().zip(&areas).map(|(w, a)| w + 1e-6 * a).collect();
+        let mut held = free.clone();
+        pairs.rest_on(&bar.points, &mut held);
+        let clusters = SampledClusters::new(&bar.points, 8.0, 0.5, None);
+        let [free, held] = [free, held].map(|masses| {
+            let found = clusters.apply(&bar.points, &pairs.wanted, &masses);
+            let far = found.iter().zip(&bar.points).filter(|(_, p)| p.x > 2.0);
+            far.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+        });
+        assert!(held < 0.5 * free, "{held} {free}");
     }
 }

@@ -164,7 +164,7 @@ impl Registration {
                 let drift = state.points.iter().zip(&before_last).map(|(now, before)| now - before);
                 pairs.slide_on(drift, self.options.momentum);
             }
-            let masses = self.masses(&pairs);
+            let mut masses = self.masses(&pairs);
             let update = match self.options.schedule {
                 Schedule::EveryIteration => true,
                 Schedule::AfterElastic => elastic_left == 0,
@@ -172,7 +172,7 @@ impl Registration {
             };
             if update {
                 self.update_reference(level, state, &pairs, &masses);
-                pairs.rest_on(&state.reference.points);
+                pairs.rest_on(&state.reference.points, &mut masses);
                 trace.updates += 1;
                 elastic_left = self.options.max_iterations;
             }

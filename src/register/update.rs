@@ -10,6 +10,7 @@ use super::correspond::Correspondences;
 use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
 use super::level::Level;
+use super::pairs::FOLLOWING;
 use super::pose::{BoneMoments, heaviest, moments, moved, rigid_targets, settle_tree};
 use super::pose_at_once::nearest_pose;
 use super::registration::{Registration, State};
@@ -17,9 +18,6 @@ use super::riders::{ride, riders};
 use super::rotation::PairSums;
 use super::skeleton::Skeleton;
 use crate::math::Vec3;
-
-/// Weight with which the unseen part of a bone follows the bone it hangs on, against that of a seen part.
-const FOLLOWING: f64 = 0.02;
 
 impl Registration {
     /// The plastic update: plausible shape, frames, joint pose.
