@@ -49,7 +49,7 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or_else(|| panic!("give the folder with the cases"));
     let parts: Vec<String> = arguments.collect();
-    let mut lines = String::from("case\tbone\tshown\terror\tverdict\treasons\n");
+    let mut lines = String::from("case\tbone\tshown\tseen\terror\tverdict\treasons\n");
     let mut all = Counts::default();
     println!(
         "| case | rms error of bones shown, mm | in part | not | wrong bones, named | right bones, named | the whole | s |"
@@ -106,9 +106,10 @@ fn run(case: &Case, lines: &mut String) -> Counts {
         let (name, verdict) = (&bone.name, bone.verdict.name());
         writeln!(
             lines,
-            "{}\t{name}\t{:.2}\t{error:.3}\t{verdict}\t{}",
+            "{}\t{name}\t{:.2}\t{:.2}\t{error:.3}\t{verdict}\t{}",
             case.name,
             case.shown[b],
+            bone.seen,
             bone.reasons.join("; ")
         )
         .unwrap();

@@ -10,6 +10,8 @@ use crate::register::target::Target;
 // Limits beyond which a figure makes doubtful, and failed.
 /// How far a bone goes on from what the target shows of it, against the radius of the skeleton's middle bone.
 const GUESSED: [f64; 2] = [1.0, 3.0];
+/// Less than this share of a small bone tells too little of it, however near all of it is to what is shown.
+const TOO_LITTLE: f64 = 0.2;
 /// Share of a bone that an image does not show.
 const UNSEEN: [f64; 2] = [0.7, 0.95];
 /// The same of a bone that the target has no surface for: always doubtful, never failed.
@@ -90,9 +92,10 @@ pub(super) fn surface_findings(
     }
     let beyond_noise = seen.forward > NOISE * coverage.middle;
     let far = if beyond_noise { seen.forward / radius } else { 0.0 };
+    let guessed = (seen.from_seen / middle_radius).max((1.0 - seen.seen) / (1.0 - TOO_LITTLE));
     let findings = vec![
         Finding::new(
-            seen.from_seen / middle_radius,
+            guessed,
             GUESSED,
             format!(
                 "only {:.0} % of it lie on the target, the rest is a guess; see whether the target shows it, or give it a surface of its own (labels)",
