@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::image::ImageTarget;
 use super::landmarks::PlacedLandmark;
-use super::pairs::{FOLLOWING, Group, Pair, PairRules, Side, image_pairs, median_distance};
+use super::pairs::{Group, Pair, PairRules, Side, image_pairs, median_distance};
 use super::skeleton::Skeleton;
 use super::surface::SearchedSurface;
 use super::target::{Part, Target};
@@ -50,12 +50,12 @@ impl Correspondences {
         }
     }
 
-    /// Lets vertices without a pair stay where `reference` has them, and holds there, lightly, what the target
-    /// does not show: a cluster that reaches the shown part with its rim alone would turn as that rim does,
+    /// Lets vertices without a pair stay where `reference` has them, and holds there with the weight `hold` what
+    /// the target does not show: a cluster that reaches the shown part with its rim alone would turn as that rim does,
     /// and a vertex on which only triangles of the target pull would drift off.
-    pub fn rest_on(&mut self, reference: &[Vec3], masses: &mut [f64]) {
+    pub fn rest_on(&mut self, reference: &[Vec3], hold: f64, masses: &mut [f64]) {
         for (i, mass) in masses.iter_mut().enumerate() {
-            let held = FOLLOWING * self.unseen[i];
+            let held = hold * self.unseen[i];
             if self.weight[i] + held > 0.0 {
                 let share = held / (self.weight[i] + held);
                 self.wanted[i] = self.wanted[i].lerp(&reference[i], share);
@@ -232,6 +232,7 @@ impl<'a> Correspond<'a> {
 mod tests {
     use super::*;
     use crate::register::areas::vertex_areas;
+    use crate::register::pairs::FOLLOWING;
     use crate::register::pose::moved;
     use crate::register::rotation::turned_about;
     use crate::register::sampled_clusters::SampledClusters;
@@ -259,7 +260,7 @@ mod tests {
         };
         let free: Vec<f64> = pairs.weight.iter().zip(&areas).map(|(w, a)| w + 1e-6 * a).collect();
         let mut held = free.clone();
-        pairs.rest_on(&bar.points, &mut held);
+        pairs.rest_on(&bar.points, FOLLOWING, &mut held);
         let clusters = SampledClusters::new(&bar.points, 8.0, 0.5, None);
         let [free, held] = [free, held].map(|masses| {
             let found = clusters.apply(&bar.points, &pairs.wanted, &masses);

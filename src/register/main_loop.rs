@@ -12,7 +12,7 @@ use super::detail;
 use super::level::Level;
 use super::options::{Options, Schedule};
 use super::owners::{Owned, Pieces};
-use super::pairs::{PairRules, UNSEEN_WEIGHT};
+use super::pairs::{FOLLOWING, PairRules, UNSEEN_WEIGHT};
 use super::pieces::without_far_parts;
 use super::registration::{Registration, State};
 use super::skeleton::Skeleton;
@@ -172,7 +172,9 @@ impl Registration {
             };
             if update {
                 self.update_reference(level, state, &pairs, &masses);
-                pairs.rest_on(&state.reference.points, &mut masses);
+                // What an image does not show may only be out of reach yet.
+                let hold = if search.image().is_some() { 0.0 } else { FOLLOWING };
+                pairs.rest_on(&state.reference.points, hold, &mut masses);
                 trace.updates += 1;
                 elastic_left = self.options.max_iterations;
             }
