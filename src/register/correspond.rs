@@ -232,7 +232,7 @@ impl<'a> Correspond<'a> {
 mod tests {
     use super::*;
     use crate::register::areas::vertex_areas;
-    use crate::register::pairs::FOLLOWING;
+    use crate::register::pairs::{FOLLOWING, UNSEEN_WEIGHT};
     use crate::register::pose::moved;
     use crate::register::rotation::turned_about;
     use crate::register::sampled_clusters::SampledClusters;
@@ -258,7 +258,8 @@ mod tests {
             unseen: area(false),
             ..Correspondences::default()
         };
-        let free: Vec<f64> = pairs.weight.iter().zip(&areas).map(|(w, a)| w + 1e-6 * a).collect();
+        let least = areas.iter().map(|area| UNSEEN_WEIGHT * area);
+        let free: Vec<f64> = pairs.weight.iter().zip(least).map(|(w, least)| w + least).collect();
         let mut held = free.clone();
         pairs.rest_on(&bar.points, FOLLOWING, &mut held);
         let clusters = SampledClusters::new(&bar.points, 8.0, 0.5, None);

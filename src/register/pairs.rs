@@ -13,7 +13,8 @@ use crate::mesh::normals::unit_or_zero;
 /// Weight of a vertex without a pair against one with a pair of the same area: it holds its place
 /// only where nothing else does.
 pub(super) const UNSEEN_WEIGHT: f64 = 1e-6;
-/// Weight of what the target does not show against what it shows: it follows what it hangs on, lightly.
+/// Weight of what the target does not show against what it shows: it follows its neighbour bone's motion, and
+/// keeps its place in the reference, no more than lightly.
 pub(super) const FOLLOWING: f64 = 0.02;
 
 /// How pairs are judged.
