@@ -205,3 +205,28 @@ fn turned(evidence: &Evidence, b: usize) -> Option<Finding> {
     );
     Some(Finding::new(joint.wanted_excess_degrees, TURNED, reason).against(other))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::register::skeleton::tests::block;
+    use crate::register::verdict::Verdict;
+    use crate::register::verdict::coverage::BoneCoverage;
+
+    #[test]
+    fn a_bone_of_which_less_than_a_fifth_is_shown_is_in_doubt_however_small() {
+        let target = Target::whole(block(Vec3::zeros(), Vec3::repeat(1.0), 2)).unwrap();
+        let verdict = |seen: f64, from_seen: f64| {
+            let mut coverage =
+                Coverage { bones: vec![BoneCoverage::default()], ..Coverage::default() };
+            (coverage.bones[0].seen, coverage.bones[0].from_seen) = (seen, from_seen);
+            surface_findings(&target, &coverage, 0, [1.0, 10.0]).1[0].verdict
+        };
+        // A small bone ends near whatever is shown of it.
+        assert_eq!([0.15, 0.25].map(|seen| verdict(seen, 1.0)), [Verdict::Doubtful, Verdict::Good]);
+        // How far a large one goes on counts, however much of it is shown.
+        assert_eq!([11.0, 31.0].map(|far| verdict(0.8, far)), [Verdict::Doubtful, Verdict::Failed]);
+        assert_eq!(verdict(0.04, f64::INFINITY), Verdict::Failed);
+    }
+}

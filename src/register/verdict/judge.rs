@@ -11,6 +11,8 @@ use crate::register::skeleton::Skeleton;
 /// Beside a bone in doubt this share of the limits is enough: what draws a bone away draws at its
 /// neighbours.
 const BESIDE: f64 = 0.55;
+/// Of two bones that do not go together the one is in doubt that the target shows less of, by this share of it.
+const SHOWN_LESS: f64 = 0.1;
 
 /// What is said of each bone, and what it stands on.
 pub(in crate::register) struct Judged {
@@ -40,7 +42,7 @@ pub(in crate::register) fn judge_bones(evidence: &Evidence) -> Judged {
         shares.push(share);
         findings.push(own);
     }
-    blame(&mut findings);
+    blame(&mut findings, &shares);
     spread_doubt(evidence.template, &mut findings);
     let bones = findings.into_iter().map(Judgement::new).zip(shares).collect();
     match shown {
@@ -73,13 +75,15 @@ impl Shown {
     }
 }
 
-/// Where two bones do not go together and something else speaks against one of them, it is that one.
-fn blame(findings: &mut [Vec<Finding>]) {
+/// Where two bones do not go together and something else speaks against one of them, it is that one; else the one
+/// that the target shows less of. `shares`: how much it shows of each.
+fn blame(findings: &mut [Vec<Finding>], shares: &[f64]) {
     let alone =
         |own: &Vec<Finding>| own.iter().any(|f| f.verdict > Verdict::Good && f.against.is_none());
     let in_doubt: Vec<bool> = findings.iter().map(alone).collect();
     for (b, own) in findings.iter_mut().enumerate() {
-        own.retain(|f| in_doubt[b] || f.against.is_none_or(|other| !in_doubt[other]));
+        let is_others = |other: usize| in_doubt[other] || shares[other] < shares[b] - SHOWN_LESS;
+        own.retain(|f| in_doubt[b] || !f.against.is_some_and(is_others));
     }
 }
 
@@ -137,7 +141,8 @@ mod tests {
     }
 
     #[test]
-    fn of_two_bones_that_do_not_go_together_the_one_with_something_else_against_it_is_in_doubt() {
+    fn of_two_bones_that_do_not_go_together_the_one_with_something_else_against_it_or_less_shown_is_in_doubt()
+     {
         let own = |figure: f64| Finding::new(figure, [1.0, 2.0], "own".into());
         let against = |other: usize| Finding::new(1.5, [1.0, 2.0], "size".into()).against(other);
         let mut findings = vec![
@@ -145,11 +150,13 @@ mod tests {
             vec![own(1.2), against(0)],
             vec![against(3)],
             vec![against(2)],
+            vec![against(5)],
+            vec![against(4)],
         ];
-        blame(&mut findings);
+        blame(&mut findings, &[0.9, 0.9, 0.85, 0.9, 0.9, 0.7]);
         let named = |own: &Vec<Finding>| own.iter().any(|f| f.verdict > Verdict::Good);
         let named: Vec<bool> = findings.iter().map(named).collect();
-        assert_eq!(named, [false, true, true, true]);
+        assert_eq!(named, [false, true, true, true, false, true]);
         assert_eq!(findings[1].len(), 2);
     }
 }
