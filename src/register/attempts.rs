@@ -1,7 +1,10 @@
 //! Several attempts: where the first one leaves bones in doubt others follow, and the one that leaves
 //! the least doubt is kept.
 
-use super::registration::Registration;
+use super::correspond::Correspond;
+use super::piece_match::PieceMatch;
+use super::pieces::without_far_parts;
+use super::registration::{Registration, State};
 use super::skeleton::Skeleton;
 use super::summary::Registered;
 use super::target::Target;
@@ -27,12 +30,21 @@ pub(super) struct Attempt {
     pub(super) start: usize,
     /// How far an image is searched to each side, template unit; none = as the level says.
     pub(super) reach: Option<f64>,
+    /// From the best result so far, with a piece of the target for each bone.
+    in_pieces: bool,
 }
 
 impl Attempt {
     /// The first one.
-    pub(super) const PLAIN: Self =
-        Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0, reach: None };
+    pub(super) const PLAIN: Self = Self {
+        name: "",
+        from: 0.0,
+        to: 0.6,
+        robust: None,
+        start: 0,
+        reach: None,
+        in_pieces: false,
+    };
     /// In an image, on the levels on which bones are rigid: much there looks like a bone, so far pairs are
     /// trusted less from the beginning.
     pub(super) const IN_IMAGE: Self = Self { to: 0.4, robust: Some(NEAR_FACTOR), ..Self::PLAIN };
@@ -47,12 +59,14 @@ impl Attempt {
     const NEAR: Self = Self {
         name: "far pairs trusted less: ",
         from: 0.7,
-        to: 0.85,
+        to: 0.8,
         robust: Some(NEAR_FACTOR),
         ..Self::PLAIN
     };
     const SECOND_START: Self =
-        Self { name: "second start: ", from: 0.85, to: 1.0, start: 1, ..Self::NEAR };
+        Self { name: "second start: ", from: 0.8, to: 0.9, start: 1, ..Self::NEAR };
+    const IN_PIECES: Self =
+        Self { name: "piece by piece: ", from: 0.9, to: 1.0, in_pieces: true, ..Self::NEAR };
 
     /// The first one to a target.
     pub(super) fn first(target: &Target) -> Self {
@@ -78,7 +92,10 @@ impl Attempt {
 }
 
 /// The attempts after the plain one, in order, and the share of the bones in doubt from which on.
-const FURTHER: [(Attempt, f64); 2] = [(Attempt::NEAR, 0.0), (Attempt::SECOND_START, 0.5)];
+const FURTHER: [(Attempt, f64); 3] =
+    [(Attempt::NEAR, 0.0), (Attempt::SECOND_START, 0.5), (Attempt::IN_PIECES, 0.0)];
+/// Rounds in which bones are given pieces of their own and go there, at most.
+const PIECE_ROUNDS: usize = 10;
 
 impl Registration {
     /// The result that leaves the least doubt, `found` or that of a further attempt.
@@ -92,15 +109,55 @@ impl Registration {
         let mut best = found;
         for (attempt, share) in FURTHER.into_iter().take(self.options.further_attempts) {
             let named = best.named_bones() as f64;
-            if named == 0.0 || named < share * best.bones.len() as f64 || run.is_cancelled() {
+            if run.is_cancelled() {
                 break;
             }
-            let other = self.find(target, starts, attempt, run).filter(|other| !other.cancelled);
-            if let Some(other) = other.filter(|other| doubt(other) < doubt(&best)) {
+            if named == 0.0 || named < share * best.bones.len() as f64 {
+                continue;
+            }
+            let other = if attempt.in_pieces {
+                self.find_in_pieces(&best, target, attempt, run)
+            } else {
+                self.find(target, starts, attempt, run)
+            };
+            if let Some(other) = other.filter(|o| !o.cancelled && doubt(o) < doubt(&best)) {
                 best = other;
             }
         }
         Registered { cancelled: run.is_cancelled(), ..best }
+    }
+
+    /// The loop from a result on, after each bone was given a piece of the target; none where no two bones want
+    /// the same piece.
+    fn find_in_pieces(
+        &self,
+        found: &Registered,
+        target: &Target,
+        attempt: Attempt,
+        run: &Run,
+    ) -> Option<Registered> {
+        let (template, points) = (&self.template, &found.skeleton.points);
+        let near = without_far_parts(target, points, &template.triangles, self.diagonal);
+        let target = near.as_ref().unwrap_or(target);
+        let pieces = self.pieces(target)?;
+        let matches = PieceMatch::new(template, &pieces);
+        let mut owners = matches.owners(points)?;
+        let (scales, coefficients) = (found.scales.clone(), found.coefficients.clone());
+        let mut state = State { scales, coefficients, ..State::at(found.skeleton.clone()) };
+        let level = self.first_rigid();
+        for _ in 0..PIECE_ROUNDS {
+            attempt.enter(run, "bones as rigid bodies", 0.0);
+            let owned = pieces.owned_by(owners.clone());
+            let (areas, parts) = (&self.areas, owned.parts());
+            let mut search = Correspond::of_parts(template, areas, target, parts, level.spacing);
+            self.run_level(level, attempt, &mut search, &mut state, run, level.most_updates);
+            match matches.owners(&state.points) {
+                Some(next) if next != owners => owners = next,
+                _ => break,
+            }
+        }
+        let owned = pieces.owned_by(owners);
+        Some(self.find_from((state, Some(owned)), self.coarse_search(target), target, attempt, run))
     }
 }
 
@@ -108,4 +165,37 @@ impl Registration {
 fn doubt(found: &Registered) -> usize {
     let count = |verdict| found.bones.iter().filter(|b| b.verdict == verdict).count();
     count(Verdict::Doubtful) + 2 * count(Verdict::Failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+
+    use super::*;
+    use crate::math::Vec3;
+    use crate::register::options::Options;
+    use crate::register::piece_match::tests::row;
+
+    #[test]
+    fn bones_that_lie_on_their_neighbours_pieces_go_to_their_own() {
+        let whole = row();
+        let mut shifted = whole.clone();
+        shifted.move_bones(&[Isometry3::translation(10.0, 0.0, 0.0); 5]);
+        let options = Options { align: false, ..Options::default() };
+        let registration = Registration::new(shifted.clone(), options).unwrap();
+        let (one_off, target) = (shifted.surface(), Target::whole(whole.surface()).unwrap());
+        let run = Run::new();
+        let found = registration.register(&Target::whole(one_off).unwrap(), &run).unwrap();
+        let attempt = Attempt::IN_PIECES;
+        let right = registration.find_in_pieces(&found, &target, attempt, &run).unwrap();
+        // Blocks lie on themselves in many ways: their middles tell which one lies where, 10 apart.
+        let middle = |of: &Skeleton, b: usize| {
+            let points = &of.points[of.bones[b].vertices.clone()];
+            points.iter().sum::<Vec3>() / points.len() as f64
+        };
+        let off = |b: usize| (middle(&right.skeleton, b) - middle(&whole, b)).norm();
+        let off: Vec<f64> = (0..whole.bones.len()).map(off).collect();
+        assert!(off.iter().all(|off| *off < 2.0), "{off:?}");
+        assert!(registration.find_in_pieces(&right, &target, attempt, &run).is_none());
+    }
 }

@@ -69,24 +69,36 @@ impl Registration {
         attempt: Attempt,
         run: &Run,
     ) -> Option<Registered> {
-        let mut search_coarse = self.search(target, START_SPACING * self.diagonal);
-        let mut state = self.start(starts, attempt, &mut search_coarse, run)?;
+        let mut search_coarse = self.coarse_search(target);
+        let state = self.start(starts, attempt, &mut search_coarse, run)?;
         let near =
             without_far_parts(target, &state.points, &self.template.triangles, self.diagonal);
         let target = near.as_ref().unwrap_or(target);
-        if near.is_some() {
-            search_coarse = self.search(target, START_SPACING * self.diagonal);
-        }
         if let Some(image) = &target.image {
             let (state, trace) = self.find_in_image(image, state, target, run);
             run.enter("joints and residuals", 0.95);
             return Some(self.finish(state, target, trace, run.is_cancelled()));
         }
-        let bone_count = self.template.bones.len();
-        let pieces = self.options.own_pieces.then(|| Pieces::new(target, bone_count)).flatten();
-        let mut owned: Option<Owned> = None;
+        if near.is_some() {
+            search_coarse = self.coarse_search(target);
+        }
+        Some(self.find_from((state, None), search_coarse, target, attempt, run))
+    }
+
+    /// The levels, from a state on; those with springs only where bones have no pieces of their own yet.
+    pub(super) fn find_from(
+        &self,
+        (mut state, mut owned): (State, Option<Owned>),
+        mut search_coarse: Correspond,
+        target: &Target,
+        attempt: Attempt,
+        run: &Run,
+    ) -> Registered {
+        let pieces = self.pieces(target);
+        let told_apart = target.is_labelled() || owned.is_some();
+        let usable = |level: &&Level| level.springs.is_none() || !told_apart;
+        let levels: Vec<&Level> = self.levels.iter().filter(usable).collect();
         let mut trace = Vec::new();
-        let levels = self.levels_for(target);
         let (template, areas) = (&self.template, &self.areas);
         let mut whole = search_coarse.clone();
         for (k, level) in levels.iter().enumerate() {
@@ -117,17 +129,20 @@ impl Registration {
             }
         }
         attempt.enter(run, "joints and residuals", 0.95);
-        Some(self.finish(state, target, trace, run.is_cancelled()))
+        self.finish(state, target, trace, run.is_cancelled())
+    }
+
+    pub(super) fn coarse_search<'a>(&'a self, target: &'a Target) -> Correspond<'a> {
+        self.search(target, START_SPACING * self.diagonal)
     }
 
     pub(super) fn search<'a>(&'a self, target: &'a Target, spacing: f64) -> Correspond<'a> {
         Correspond::new(&self.template, &self.areas, target, spacing)
     }
 
-    /// The levels of a run: where nothing can be taken for its neighbour, none with springs.
-    fn levels_for(&self, target: &Target) -> Vec<&Level> {
-        let usable = |level: &&Level| level.springs.is_none() || !target.is_labelled();
-        self.levels.iter().filter(usable).collect()
+    /// The pieces of a target that does not tell bones apart.
+    pub(super) fn pieces<'a>(&self, target: &'a Target) -> Option<Pieces<'a>> {
+        self.options.own_pieces.then(|| Pieces::new(target, self.template.bones.len())).flatten()
     }
 
     /// Whether a finer level would follow the target's shape, not its noise.

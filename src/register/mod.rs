@@ -38,6 +38,7 @@ pub mod options;
 mod owners;
 mod pairs;
 mod penetration;
+mod piece_match;
 mod pieces;
 mod plausible;
 pub mod pose;

@@ -141,7 +141,7 @@ impl Default for Options {
             pose_starts: vec![0.0],
             seat_factor: 5.0,
             align: true,
-            further_attempts: 2,
+            further_attempts: 3,
             as_is: false,
             image_reach: [0.1, 0.005],
         }

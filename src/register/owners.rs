@@ -19,9 +19,9 @@ const OWN: f64 = 0.8;
 
 /// The target's surface in pieces that do not touch.
 pub(super) struct Pieces<'a> {
-    surface: &'a SearchedSurface,
-    of_triangle: Vec<u32>,
-    count: usize,
+    pub(super) surface: &'a SearchedSurface,
+    pub(super) of_triangle: Vec<u32>,
+    pub(super) count: usize,
     bone_count: usize,
 }
 
@@ -54,12 +54,7 @@ impl<'a> Pieces<'a> {
         before: Option<Owned>,
     ) -> Owned {
         search.at(points, rules);
-        let mut of_vertex = vec![u32::MAX; self.surface.mesh.points.len()];
-        for (triangle, &piece) in self.surface.mesh.triangles.iter().zip(&self.of_triangle) {
-            for &v in triangle {
-                of_vertex[v as usize] = piece;
-            }
-        }
+        let of_vertex = self.of_vertex();
         let mut by_bone = vec![Vec::new(); self.count];
         for (v, bone, area) in search.met_by_target() {
             if let Some(shares) = by_bone.get_mut(of_vertex[v as usize] as usize) {
@@ -79,10 +74,29 @@ impl<'a> Pieces<'a> {
         if let Some(before) = before.filter(|before| before.owner == owner) {
             return before;
         }
+        self.owned_by(owner)
+    }
+
+    fn of_vertex(&self) -> Vec<u32> {
+        let mut of_vertex = vec![u32::MAX; self.surface.mesh.points.len()];
+        for (triangle, &piece) in self.surface.mesh.triangles.iter().zip(&self.of_triangle) {
+            for &v in triangle {
+                of_vertex[v as usize] = piece;
+            }
+        }
+        of_vertex
+    }
+
+    /// The surfaces of bones with these pieces: the bone of each.
+    pub(super) fn owned_by(&self, owner: Vec<Option<usize>>) -> Owned {
+        let of_vertex = self.of_vertex();
         let owner_at = |v: u32| owner.get(of_vertex[v as usize] as usize).copied().flatten();
         let of_bone = (0..self.bone_count)
             .into_par_iter()
-            .map(|b| has_own[b].then(|| self.surface.part(|v| owner_at(v) == Some(b))))
+            .map(|b| {
+                let has_own = owner.contains(&Some(b));
+                has_own.then(|| self.surface.part(|v| owner_at(v) == Some(b)))
+            })
             .collect();
         let rest = self.surface.part(|v| owner_at(v).is_none());
         Owned { owner, of_bone, rest }
