@@ -132,6 +132,7 @@ impl Registration {
         self.finish(state, target, trace, run.is_cancelled())
     }
 
+    /// The search for the start and for repairs.
     pub(super) fn coarse_search<'a>(&'a self, target: &'a Target) -> Correspond<'a> {
         self.search(target, START_SPACING * self.diagonal)
     }

@@ -21,6 +21,7 @@ const OWN: f64 = 0.8;
 pub(super) struct Pieces<'a> {
     pub(super) surface: &'a SearchedSurface,
     pub(super) of_triangle: Vec<u32>,
+    of_vertex: Vec<u32>,
     pub(super) count: usize,
     bone_count: usize,
 }
@@ -41,7 +42,13 @@ impl<'a> Pieces<'a> {
         let joined = renumbered(&surface.mesh.triangles, &first);
         let of_triangle = components(first.len(), &joined);
         let count = of_triangle.iter().max().map_or(0, |&last| last as usize + 1);
-        (count > 1).then_some(Self { surface, of_triangle, count, bone_count })
+        let mut of_vertex = vec![u32::MAX; surface.mesh.points.len()];
+        for (triangle, &piece) in surface.mesh.triangles.iter().zip(&of_triangle) {
+            for &v in triangle {
+                of_vertex[v as usize] = piece;
+            }
+        }
+        (count > 1).then_some(Self { surface, of_triangle, of_vertex, count, bone_count })
     }
 
     /// Shares the pieces out among bones that lie at `points`; `search` seeks all bones on the whole surface,
@@ -54,10 +61,9 @@ impl<'a> Pieces<'a> {
         before: Option<Owned>,
     ) -> Owned {
         search.at(points, rules);
-        let of_vertex = self.of_vertex();
         let mut by_bone = vec![Vec::new(); self.count];
         for (v, bone, area) in search.met_by_target() {
-            if let Some(shares) = by_bone.get_mut(of_vertex[v as usize] as usize) {
+            if let Some(shares) = by_bone.get_mut(self.of_vertex[v as usize] as usize) {
                 add(shares, bone, area);
             }
         }
@@ -77,19 +83,9 @@ impl<'a> Pieces<'a> {
         self.owned_by(owner)
     }
 
-    fn of_vertex(&self) -> Vec<u32> {
-        let mut of_vertex = vec![u32::MAX; self.surface.mesh.points.len()];
-        for (triangle, &piece) in self.surface.mesh.triangles.iter().zip(&self.of_triangle) {
-            for &v in triangle {
-                of_vertex[v as usize] = piece;
-            }
-        }
-        of_vertex
-    }
-
     /// The surfaces of bones with these pieces: the bone of each.
     pub(super) fn owned_by(&self, owner: Vec<Option<usize>>) -> Owned {
-        let of_vertex = self.of_vertex();
+        let of_vertex = &self.of_vertex;
         let owner_at = |v: u32| owner.get(of_vertex[v as usize] as usize).copied().flatten();
         let of_bone = (0..self.bone_count)
             .into_par_iter()

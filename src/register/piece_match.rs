@@ -16,6 +16,8 @@ use crate::mesh::adjacency::{components, first_at_place, renumbered};
 const SIZE_WEIGHT: f64 = 4.0;
 /// So many times as many pieces as the bones have are looked at, the largest ones.
 const MOST_PIECES: usize = 4;
+/// A template in more pieces than these is left as it lies: the time grows with the third power.
+const MOST_OF_TEMPLATE: usize = 1_000;
 /// A piece that is so many times larger or smaller than the bone's, by area, is not the bone's.
 const OTHER_SIZE: f64 = 4.0;
 /// Costs are whole numbers of this share of the largest one.
@@ -65,6 +67,9 @@ impl<'a> PieceMatch<'a> {
 
     /// The bone of each piece of the target; none where no two bones that lie at `points` want the same piece.
     pub(super) fn owners(&self, points: &[Vec3]) -> Option<Vec<Option<usize>>> {
+        if self.bone_of.len() > MOST_OF_TEMPLATE {
+            return None;
+        }
         let own = extents(points, self.triangles, &self.of_triangle, self.bone_of.len());
         let distance = |a: &Extent, b: &Extent| {
             (a.centre - b.centre).norm_squared() + SIZE_WEIGHT * (a.size - b.size).norm_squared()
