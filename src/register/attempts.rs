@@ -91,9 +91,13 @@ impl Attempt {
     }
 }
 
-/// The attempts after the plain one, in order, and the share of the bones in doubt from which on.
-const FURTHER: [(Attempt, f64); 3] =
-    [(Attempt::NEAR, 0.0), (Attempt::SECOND_START, 0.5), (Attempt::IN_PIECES, 0.0)];
+/// The attempts after the plain one, in order, and the share of the bones in doubt from which and up to which each
+/// is made. Where more than half are, the skeleton lies elsewhere, and the pieces near its bones say nothing of them.
+const FURTHER: [(Attempt, [f64; 2]); 3] = [
+    (Attempt::NEAR, [0.0, 1.0]),
+    (Attempt::SECOND_START, [0.5, 1.0]),
+    (Attempt::IN_PIECES, [0.0, 0.5]),
+];
 /// Rounds in which bones are given pieces of their own and go there, at most.
 const PIECE_ROUNDS: usize = 10;
 
@@ -107,12 +111,12 @@ impl Registration {
         run: &Run,
     ) -> Registered {
         let mut best = found;
-        for (attempt, share) in FURTHER.into_iter().take(self.options.further_attempts) {
-            let named = best.named_bones() as f64;
+        for (attempt, [least, most]) in FURTHER.into_iter().take(self.options.further_attempts) {
+            let named = best.named_bones() as f64 / best.bones.len() as f64;
             if run.is_cancelled() {
                 break;
             }
-            if named == 0.0 || named < share * best.bones.len() as f64 {
+            if named == 0.0 || !(least..=most).contains(&named) {
                 continue;
             }
             let other = if attempt.in_pieces {
