@@ -1,14 +1,17 @@
 //! Several attempts: where the first one leaves bones in doubt others follow, and the one that leaves
 //! the least doubt is kept.
 
-use super::correspond::Correspond;
-use super::piece_match::PieceMatch;
+use super::bone_scales::put_in_place;
+use super::joint_frames::take_shape;
+use super::piece_match::{Match, PieceMatch};
 use super::pieces::without_far_parts;
+use super::pose_starts::towards_mid_range;
 use super::registration::{Registration, State};
 use super::skeleton::Skeleton;
 use super::summary::Registered;
 use super::target::Target;
 use super::verdict::Verdict;
+use crate::math::{Vec3, median};
 use crate::run::Run;
 
 /// Robust distance scale of the further attempts, in median distances.
@@ -30,21 +33,14 @@ pub(super) struct Attempt {
     pub(super) start: usize,
     /// How far an image is searched to each side, template unit; none = as the level says.
     pub(super) reach: Option<f64>,
-    /// From the best result so far, with a piece of the target for each bone.
-    in_pieces: bool,
+    /// From the best result so far, with a piece of the target for each bone; so many times at most.
+    in_pieces: usize,
 }
 
 impl Attempt {
     /// The first one.
-    pub(super) const PLAIN: Self = Self {
-        name: "",
-        from: 0.0,
-        to: 0.6,
-        robust: None,
-        start: 0,
-        reach: None,
-        in_pieces: false,
-    };
+    pub(super) const PLAIN: Self =
+        Self { name: "", from: 0.0, to: 0.6, robust: None, start: 0, reach: None, in_pieces: 0 };
     /// In an image, on the levels on which bones are rigid: much there looks like a bone, so far pairs are
     /// trusted less from the beginning.
     pub(super) const IN_IMAGE: Self = Self { to: 0.4, robust: Some(NEAR_FACTOR), ..Self::PLAIN };
@@ -66,7 +62,7 @@ impl Attempt {
     const SECOND_START: Self =
         Self { name: "second start: ", from: 0.8, to: 0.9, start: 1, ..Self::NEAR };
     const IN_PIECES: Self =
-        Self { name: "piece by piece: ", from: 0.9, to: 1.0, in_pieces: true, ..Self::NEAR };
+        Self { name: "piece by piece: ", from: 0.9, to: 1.0, in_pieces: 4, ..Self::NEAR };
 
     /// The first one to a target.
     pub(super) fn first(target: &Target) -> Self {
@@ -84,6 +80,13 @@ impl Attempt {
         Self { from: self.to, to: f64::midpoint(self.to, end), ..self }
     }
 
+    /// Round `k` of those of an attempt that is made several times.
+    fn round(self, k: usize) -> Self {
+        let step = (self.to - self.from) / self.in_pieces.max(1) as f64;
+        let from = self.from + step * k as f64;
+        Self { from, to: from + step, ..self }
+    }
+
     /// Says that a stage begins at a share of this attempt.
     pub(super) fn enter(&self, run: &Run, stage: &str, share: f64) {
         let fraction = self.from + share * (self.to - self.from);
@@ -98,8 +101,6 @@ const FURTHER: [(Attempt, [f64; 2]); 3] = [
     (Attempt::SECOND_START, [0.5, 1.0]),
     (Attempt::IN_PIECES, [0.0, 0.5]),
 ];
-/// Rounds in which bones are given pieces of their own and go there, at most.
-const PIECE_ROUNDS: usize = 10;
 
 impl Registration {
     /// The result that leaves the least doubt, `found` or that of a further attempt.
@@ -112,27 +113,27 @@ impl Registration {
     ) -> Registered {
         let mut best = found;
         for (attempt, [least, most]) in FURTHER.into_iter().take(self.options.further_attempts) {
-            let named = best.named_bones() as f64 / best.bones.len() as f64;
-            if run.is_cancelled() {
-                break;
-            }
-            if named == 0.0 || !(least..=most).contains(&named) {
-                continue;
-            }
-            let other = if attempt.in_pieces {
-                self.find_in_pieces(&best, target, attempt, run)
-            } else {
-                self.find(target, starts, attempt, run)
-            };
-            if let Some(other) = other.filter(|o| !o.cancelled && doubt(o) < doubt(&best)) {
-                best = other;
+            for k in 0..attempt.in_pieces.max(1) {
+                let named = best.named_bones() as f64 / best.bones.len() as f64;
+                if run.is_cancelled() || named == 0.0 || !(least..=most).contains(&named) {
+                    break;
+                }
+                let other = if attempt.in_pieces > 0 {
+                    self.find_in_pieces(&best, target, attempt.round(k), run)
+                } else {
+                    self.find(target, starts, attempt, run)
+                };
+                match other.filter(|o| !o.cancelled && doubt(o) < doubt(&best)) {
+                    Some(other) => best = other,
+                    None => break,
+                }
             }
         }
         Registered { cancelled: run.is_cancelled(), ..best }
     }
 
-    /// The loop from a result on, after each bone was given a piece of the target; none where no two bones want
-    /// the same piece.
+    /// The loop from a result on, with the bones in doubt put back and a piece of the target for each bone; none
+    /// where no bone of the result wants a piece that another one needs more.
     fn find_in_pieces(
         &self,
         found: &Registered,
@@ -144,24 +145,44 @@ impl Registration {
         let near = without_far_parts(target, points, &template.triangles, self.diagonal);
         let target = near.as_ref().unwrap_or(target);
         let pieces = self.pieces(target)?;
-        let matches = PieceMatch::new(template, &pieces);
-        let mut owners = matches.owners(points)?;
-        let (scales, coefficients) = (found.scales.clone(), found.coefficients.clone());
-        let mut state = State { scales, coefficients, ..State::at(found.skeleton.clone()) };
-        let level = self.first_rigid();
-        for _ in 0..PIECE_ROUNDS {
-            attempt.enter(run, "bones as rigid bodies", 0.0);
-            let owned = pieces.owned_by(owners.clone());
-            let (areas, parts) = (&self.areas, owned.parts());
-            let mut search = Correspond::of_parts(template, areas, target, parts, level.spacing);
-            self.run_level(level, attempt, &mut search, &mut state, run, level.most_updates);
-            match matches.owners(&state.points) {
-                Some(next) if next != owners => owners = next,
-                _ => break,
-            }
+        let matches = PieceMatch::new(template, &pieces)?;
+        if !matches.at(points).contested {
+            return None;
         }
-        let owned = pieces.owned_by(owners);
-        Some(self.find_from((state, Some(owned)), self.coarse_search(target), target, attempt, run))
+        let mut state = self.with_doubtful_put_back(found);
+        let Match { owners, moves, .. } = matches.at(&state.points);
+        // From its neighbour's piece the nearest points would turn a bone round.
+        for (bone, by) in template.bones.iter().zip(moves) {
+            let by = by.unwrap_or_default();
+            state.points[bone.vertices.clone()].iter_mut().for_each(|p| *p += by);
+        }
+        let in_pieces = Some((pieces.owned_by(owners), &matches));
+        Some(self.find_from(state, in_pieces, self.coarse_search(target), target, attempt, run))
+    }
+
+    /// A result with its bones in doubt as the template has them on the bones they hang on, of the usual size.
+    fn with_doubtful_put_back(&self, found: &Registered) -> State {
+        let in_doubt: Vec<bool> = found.bones.iter().map(|b| b.verdict > Verdict::Good).collect();
+        let good = found.scales.iter().zip(&in_doubt).filter(|(_, in_doubt)| !**in_doubt);
+        let usual = median(good.map(|(scale, _)| scale.mean())).unwrap_or(1.0);
+        let mut scales = found.scales.clone();
+        for (scale, _) in scales.iter_mut().zip(&in_doubt).filter(|(_, in_doubt)| **in_doubt) {
+            *scale = Vec3::repeat(usual);
+        }
+        let mut shape = found.skeleton.points.clone();
+        let of_scales = self.scales.shape(&scales);
+        let of_scales = put_in_place(&found.skeleton, &of_scales, &shape, &self.areas);
+        let bones = self.template.bones.iter().zip(&in_doubt);
+        for (bone, _) in bones.filter(|(_, in_doubt)| **in_doubt) {
+            let range = bone.vertices.clone();
+            shape[range.clone()].copy_from_slice(&of_scales[range]);
+        }
+        // From the template's own frames: those of a bone that was crumpled have gone astray.
+        let mut reference = self.template.clone();
+        take_shape(&mut reference, shape, &self.areas);
+        let motions = towards_mid_range(&self.template, &reference, self.root, &in_doubt, 0.0);
+        reference.move_bones(&motions);
+        State { scales, coefficients: found.coefficients.clone(), ..State::at(reference) }
     }
 }
 
@@ -176,7 +197,6 @@ mod tests {
     use nalgebra::Isometry3;
 
     use super::*;
-    use crate::math::Vec3;
     use crate::register::options::Options;
     use crate::register::piece_match::tests::row;
 

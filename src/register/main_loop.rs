@@ -13,6 +13,7 @@ use super::level::Level;
 use super::options::{Options, Schedule};
 use super::owners::{Owned, Pieces};
 use super::pairs::{FOLLOWING, PairRules, UNSEEN_WEIGHT};
+use super::piece_match::PieceMatch;
 use super::pieces::without_far_parts;
 use super::registration::{Registration, State};
 use super::skeleton::Skeleton;
@@ -82,20 +83,23 @@ impl Registration {
         if near.is_some() {
             search_coarse = self.coarse_search(target);
         }
-        Some(self.find_from((state, None), search_coarse, target, attempt, run))
+        Some(self.find_from(state, None, search_coarse, target, attempt, run))
     }
 
-    /// The levels, from a state on; those with springs only where bones have no pieces of their own yet.
+    /// The levels, from a state on. `in_pieces`: pieces of the target that each bone begins with, and how they are
+    /// given out again after each level; there are no springs then, and no repair.
     pub(super) fn find_from(
         &self,
-        (mut state, mut owned): (State, Option<Owned>),
+        mut state: State,
+        in_pieces: Option<(Owned, &PieceMatch)>,
         mut search_coarse: Correspond,
         target: &Target,
         attempt: Attempt,
         run: &Run,
     ) -> Registered {
         let pieces = self.pieces(target);
-        let told_apart = target.is_labelled() || owned.is_some();
+        let (mut owned, matches) = in_pieces.unzip();
+        let told_apart = target.is_labelled() || matches.is_some();
         let usable = |level: &&Level| level.springs.is_none() || !told_apart;
         let levels: Vec<&Level> = self.levels.iter().filter(usable).collect();
         let mut trace = Vec::new();
@@ -120,12 +124,15 @@ impl Registration {
             }
             let most = level.most_updates;
             trace.push(self.run_level(level, attempt, &mut search, &mut state, run, most));
-            if level.repaired {
+            if level.repaired && matches.is_none() {
                 self.repair(level, attempt, &mut search_coarse, &mut state, run);
             }
             if let Some(pieces) = pieces.as_ref().filter(|_| level.springs.is_none()) {
-                let before = owned.take();
-                owned = Some(pieces.shared_out(&mut whole, &state.points, &level.rules, before));
+                let points = &state.points;
+                owned = Some(match matches {
+                    Some(matches) => pieces.owned_by(matches.at(points).owners),
+                    None => pieces.shared_out(&mut whole, points, &level.rules, owned.take()),
+                });
             }
         }
         attempt.enter(run, "joints and residuals", 0.95);

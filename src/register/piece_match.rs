@@ -33,6 +33,17 @@ struct Extent {
     size: Vec3,
 }
 
+/// A piece of the target for each bone.
+pub(super) struct Match {
+    /// The bone of each piece of the target.
+    pub(super) owners: Vec<Option<usize>>,
+    /// Whether a bone gets another piece than the cheapest one for it alone.
+    pub(super) contested: bool,
+    /// From its middle to that of its pieces, for each bone that does not lie there: they are further off than it
+    /// is large.
+    pub(super) moves: Vec<Option<Vec3>>,
+}
+
 /// The template's pieces and the target's.
 pub(super) struct PieceMatch<'a> {
     triangles: &'a [[u32; 3]],
@@ -45,7 +56,8 @@ pub(super) struct PieceMatch<'a> {
 }
 
 impl<'a> PieceMatch<'a> {
-    pub(super) fn new(template: &'a Skeleton, pieces: &Pieces) -> Self {
+    /// None for a template in very many pieces.
+    pub(super) fn new(template: &'a Skeleton, pieces: &Pieces) -> Option<Self> {
         let triangles = &template.triangles;
         let first = first_at_place(&template.points);
         let of_triangle = components(first.len(), &renumbered(triangles, &first));
@@ -57,19 +69,19 @@ impl<'a> PieceMatch<'a> {
                 }
             }
         }
+        if bone_of.len() > MOST_OF_TEMPLATE {
+            return None;
+        }
         let mesh = &pieces.surface.mesh;
         let extents = extents(&mesh.points, &mesh.triangles, &pieces.of_triangle, pieces.count);
         let mut target: Vec<(usize, Extent)> = extents.into_iter().enumerate().collect();
         target.sort_by(|(_, a), (_, b)| b.area.total_cmp(&a.area));
         target.truncate(MOST_PIECES * bone_of.len());
-        Self { triangles, of_triangle, bone_of, target, target_count: pieces.count }
+        Some(Self { triangles, of_triangle, bone_of, target, target_count: pieces.count })
     }
 
-    /// The bone of each piece of the target; none where no two bones that lie at `points` want the same piece.
-    pub(super) fn owners(&self, points: &[Vec3]) -> Option<Vec<Option<usize>>> {
-        if self.bone_of.len() > MOST_OF_TEMPLATE {
-            return None;
-        }
+    /// The cheapest way to give bones that lie at `points` a piece each.
+    pub(super) fn at(&self, points: &[Vec3]) -> Match {
         let own = extents(points, self.triangles, &self.of_triangle, self.bone_of.len());
         let distance = |a: &Extent, b: &Extent| {
             (a.centre - b.centre).norm_squared() + SIZE_WEIGHT * (a.size - b.size).norm_squared()
@@ -88,12 +100,21 @@ impl<'a> PieceMatch<'a> {
         let matrix = Matrix::from_fn(rows, real.max(rows), cost);
         let (_, found) = kuhn_munkres_min(&matrix);
         let mut owners = vec![None; self.target_count];
-        let mut moved = false;
+        let bones = self.bone_of.last().map_or(0, |last| last + 1);
+        let mut sums = vec![(Vec3::zeros(), 0.0, 0.0_f64); bones];
+        let mut contested = false;
         for (row, column) in found.into_iter().enumerate().filter(|at| cost(*at) < NONE) {
-            owners[self.target[column].0] = Some(self.bone_of[row]);
-            moved |= (0..real).any(|other| cost((row, other)) < cost((row, column)));
+            let (bone, here, (piece, there)) = (self.bone_of[row], own[row], self.target[column]);
+            owners[piece] = Some(bone);
+            contested |= (0..real).any(|other| cost((row, other)) < cost((row, column)));
+            let (by, area, size) = &mut sums[bone];
+            *by += here.area * (there.centre - here.centre);
+            *area += here.area;
+            *size = size.max(here.size.max());
         }
-        moved.then_some(owners)
+        let moved =
+            |(by, area, size): (Vec3, f64, f64)| Some(by / area).filter(|by| by.norm() > size);
+        Match { owners, contested, moves: sums.into_iter().map(moved).collect() }
     }
 }
 
@@ -142,20 +163,24 @@ pub(super) mod tests {
         Skeleton::new(bones, Vec::new()).unwrap()
     }
 
-    fn owners(target: &Skeleton, shift: f64) -> Option<Vec<Option<usize>>> {
+    fn matched(target: &Skeleton, shift: f64) -> Match {
         let row = row();
         let target = Target::whole(target.surface()).unwrap();
         let pieces = Pieces::new(&target, row.bones.len()).unwrap();
         let points: Vec<Vec3> = row.points.iter().map(|p| p + Vec3::new(shift, 0.0, 0.0)).collect();
-        PieceMatch::new(&row, &pieces).owners(&points)
+        PieceMatch::new(&row, &pieces).unwrap().at(&points)
     }
 
     #[test]
     fn a_row_that_lies_one_place_off_is_moved_as_a_whole() {
         let whole = row();
-        assert_eq!(owners(&whole, 0.0), None);
         let each = [0, 0, 1, 2, 3, 4].map(Some).to_vec();
-        assert_eq!(owners(&whole, 10.0), Some(each.clone()));
+        let [there, one_off] = [0.0, 10.0].map(|shift| matched(&whole, shift));
+        assert!(there.owners == each && !there.contested);
+        assert!(there.moves.iter().all(Option::is_none));
+        assert!(one_off.owners == each && one_off.contested);
+        let back = |by: &Option<Vec3>| by.is_some_and(|by| (by.x + 10.0).abs() < 1e-9);
+        assert!(one_off.moves.iter().all(back), "{:?}", one_off.moves);
         // A crumb takes nothing from anybody.
         let crumb = block(Vec3::new(14.0, 0.0, 0.0), Vec3::repeat(0.3), 1);
         let bones = whole.bones.iter().enumerate();
@@ -164,7 +189,7 @@ pub(super) mod tests {
         let with_crumb: Vec<_> = bones.chain([("crumb".into(), crumb)]).collect();
         let with_crumb = Skeleton::new(with_crumb, Vec::new()).unwrap();
         let expected: Vec<_> = each.into_iter().chain([None]).collect();
-        assert_eq!(owners(&with_crumb, 10.0), Some(expected));
+        assert_eq!(matched(&with_crumb, 10.0).owners, expected);
     }
 
     #[test]
@@ -172,6 +197,8 @@ pub(super) mod tests {
         let whole = row();
         let left = [0, 1, 3, 4].map(|b| (format!("{b}"), whole.bone_surface(b, &whole.points)));
         let without = Skeleton::new(left.to_vec(), Vec::new()).unwrap();
-        assert_eq!(owners(&without, 0.0), None);
+        let matched = matched(&without, 0.0);
+        assert_eq!(matched.owners, [0, 0, 1, 3, 4].map(Some));
+        assert!(!matched.contested);
     }
 }

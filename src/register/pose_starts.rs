@@ -9,9 +9,8 @@ use super::skeleton::Skeleton;
 use crate::math::Vec3;
 
 /// Motions of the bones marked in `affected` that turn their joints to `share` of the way from the
-/// template's neutral rotation to the middle of the range, seen from `root`; the other bones follow
-/// the bone they hang on. `now` holds the present frames of the same skeleton. Axes without limits
-/// go to neutral.
+/// template's neutral rotation to the middle of the range, seen from `root`; the other bones stay.
+/// `now` holds the present frames of the same skeleton. Axes without limits go to neutral.
 pub(super) fn towards_mid_range(
     template: &Skeleton,
     now: &Skeleton,
@@ -24,7 +23,6 @@ pub(super) fn towards_mid_range(
         let (neutral, joint) = (&template.joints[j], &now.joints[j]);
         let (near, far) = joint.ends(to_child);
         if !affected[far] {
-            motions[far] = motions[near];
             continue;
         }
         let limits = &joint.limits;
