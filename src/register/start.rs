@@ -200,7 +200,7 @@ impl Registration {
     }
 
     /// The first level after those with springs.
-    pub(super) fn first_rigid(&self) -> &Level {
+    fn first_rigid(&self) -> &Level {
         let rigid = self.levels.iter().find(|level| level.springs.is_none());
         rigid.unwrap_or(&self.levels[0])
     }
