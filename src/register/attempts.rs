@@ -179,7 +179,7 @@ impl Registration {
         }
         // From the template's own frames: those of a bone that was crumpled have gone astray.
         let mut reference = self.template.clone();
-        take_shape(&mut reference, shape, &self.areas);
+        take_shape(&mut reference, &self.template, shape, &self.areas);
         let motions = towards_mid_range(&self.template, &reference, self.root, &in_doubt, 0.0);
         reference.move_bones(&motions);
         State { scales, coefficients: found.coefficients.clone(), ..State::at(reference) }

@@ -27,7 +27,7 @@ impl Registration {
     ) -> Registered {
         let State { mut reference, mut points, scales, coefficients, .. } = state;
         let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
-        take_shape(&mut reference, placed, &self.areas);
+        take_shape(&mut reference, &self.template, placed, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones
         // stay where the data puts them and the joint is seated again in the middle.
         let factor = self.options.seat_factor.max(1.0);

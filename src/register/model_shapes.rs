@@ -27,7 +27,7 @@ pub fn shape_in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
     let areas = vertex_areas(&template.points, &template.triangles);
     let placed = put_in_place(template, shape, &template.points, &areas);
     let mut skeleton = template.clone();
-    take_shape(&mut skeleton, placed, &areas);
+    take_shape(&mut skeleton, template, placed, &areas);
     // Along the joints outwards, each bone is shifted until its joint point lies on its neighbour's.
     let mut shifts = vec![Isometry3::identity(); skeleton.bones.len()];
     ride(&skeleton, &skeleton.spanning_forest(0), &mut shifts);

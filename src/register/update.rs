@@ -44,7 +44,7 @@ impl Registration {
         if let Some(shape) = shape {
             let placed =
                 put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
-            take_shape(&mut state.reference, placed, &self.areas);
+            take_shape(&mut state.reference, &self.template, placed, &self.areas);
         }
         if let Some(softness) = level.springs
             && let Ok(posed) =
