@@ -1,7 +1,6 @@
 //! Several attempts: where the first one leaves bones in doubt others follow, and the one that leaves
 //! the least doubt is kept.
 
-use super::bone_scales::put_in_place;
 use super::joint_frames::take_shape;
 use super::piece_match::{Match, PieceMatch};
 use super::pieces::without_far_parts;
@@ -146,11 +145,11 @@ impl Registration {
         let target = near.as_ref().unwrap_or(target);
         let pieces = self.pieces(target)?;
         let matches = PieceMatch::new(template, &pieces)?;
-        if !matches.at(points).contested {
+        let mut state = self.with_doubtful_put_back(found);
+        let Match { owners, contested, moves } = matches.at(&state.points);
+        if !contested {
             return None;
         }
-        let mut state = self.with_doubtful_put_back(found);
-        let Match { owners, moves, .. } = matches.at(&state.points);
         // From its neighbour's piece the nearest points would turn a bone round.
         for (bone, by) in template.bones.iter().zip(moves) {
             let by = by.unwrap_or_default();
@@ -171,15 +170,13 @@ impl Registration {
         }
         let mut shape = found.skeleton.points.clone();
         let of_scales = self.scales.shape(&scales);
-        let of_scales = put_in_place(&found.skeleton, &of_scales, &shape, &self.areas);
         let bones = self.template.bones.iter().zip(&in_doubt);
         for (bone, _) in bones.filter(|(_, in_doubt)| **in_doubt) {
             let range = bone.vertices.clone();
             shape[range.clone()].copy_from_slice(&of_scales[range]);
         }
-        // From the template's own frames: those of a bone that was crumpled have gone astray.
-        let mut reference = self.template.clone();
-        take_shape(&mut reference, &self.template, shape, &self.areas);
+        let mut reference = found.skeleton.clone();
+        take_shape(&mut reference, &self.template, &shape, &self.areas);
         let motions = towards_mid_range(&self.template, &reference, self.root, &in_doubt, 0.0);
         reference.move_bones(&motions);
         State { scales, coefficients: found.coefficients.clone(), ..State::at(reference) }

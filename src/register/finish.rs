@@ -1,6 +1,5 @@
 //! The end of a run: the joints are put inside their limits, and the result is measured.
 
-use super::bone_scales::put_in_place;
 use super::correspond::Correspondences;
 use super::joint_frames::take_shape;
 use super::pairs::UNSEEN_WEIGHT;
@@ -26,8 +25,7 @@ impl Registration {
         cancelled: bool,
     ) -> Registered {
         let State { mut reference, mut points, scales, coefficients, .. } = state;
-        let placed = put_in_place(&reference, &points, &reference.points, &self.areas);
-        take_shape(&mut reference, &self.template, placed, &self.areas);
+        take_shape(&mut reference, &self.template, &points, &self.areas);
         // The joint points of both bones are estimates; where they disagree a little, the bones
         // stay where the data puts them and the joint is seated again in the middle.
         let factor = self.options.seat_factor.max(1.0);

@@ -25,9 +25,8 @@ pub fn same_bones(one: &Skeleton, other: &Skeleton) -> bool {
 /// The shape with each bone on the template's and the joints closed again.
 pub fn shape_in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
     let areas = vertex_areas(&template.points, &template.triangles);
-    let placed = put_in_place(template, shape, &template.points, &areas);
     let mut skeleton = template.clone();
-    take_shape(&mut skeleton, template, placed, &areas);
+    take_shape(&mut skeleton, template, shape, &areas);
     // Along the joints outwards, each bone is shifted until its joint point lies on its neighbour's.
     let mut shifts = vec![Isometry3::identity(); skeleton.bones.len()];
     ride(&skeleton, &skeleton.spanning_forest(0), &mut shifts);

@@ -130,6 +130,7 @@ fn joint_summaries(
                 wanted_excess_degrees: limit_state(&joint.limits, wanted)
                     .rotation_excess
                     .to_degrees(),
+                wanted_shift: wanted.translation.vector,
             }
         })
         .collect()

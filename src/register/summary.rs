@@ -82,6 +82,8 @@ pub struct JointSummary {
     pub wanted_rotation: Vec3,
     /// Rotation beyond the limit that the data alone would give it, degrees.
     pub wanted_excess_degrees: f64,
+    /// Where the data alone would leave the child's joint point, seen from the parent's frame, template unit.
+    pub wanted_shift: Vec3,
 }
 
 /// One level of the loop.

@@ -5,7 +5,7 @@
 
 use nalgebra::Isometry3;
 
-use super::bone_scales::{ScaleFreedom, put_in_place};
+use super::bone_scales::ScaleFreedom;
 use super::correspond::Correspondences;
 use super::elastic::whole_motion;
 use super::joint_frames::take_shape;
@@ -42,9 +42,7 @@ impl Registration {
             }
         };
         if let Some(shape) = shape {
-            let placed =
-                put_in_place(&state.reference, &shape, &state.reference.points, &self.areas);
-            take_shape(&mut state.reference, &self.template, placed, &self.areas);
+            take_shape(&mut state.reference, &self.template, &shape, &self.areas);
         }
         if let Some(softness) = level.springs
             && let Ok(posed) =

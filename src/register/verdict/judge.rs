@@ -4,6 +4,7 @@ use super::coverage::{Coverage, coverage};
 use super::distortion::distortions;
 use super::evidence::Evidence;
 use super::findings::{image_findings, shape_findings, surface_findings};
+use super::open_joints::beyond_open_joints;
 use super::{Finding, Judgement, Verdict};
 use crate::math::median;
 use crate::register::skeleton::Skeleton;
@@ -41,6 +42,10 @@ pub(in crate::register) fn judge_bones(evidence: &Evidence) -> Judged {
         own.extend(shape_findings(evidence, &changes, b));
         shares.push(share);
         findings.push(own);
+    }
+    let radii: Vec<f64> = changes.iter().map(|change| change.radius).collect();
+    for (own, finding) in findings.iter_mut().zip(beyond_open_joints(evidence, &radii, &shares)) {
+        own.extend(finding);
     }
     blame(&mut findings, &shares);
     spread_doubt(evidence.template, &mut findings);

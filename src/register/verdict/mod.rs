@@ -6,6 +6,7 @@ mod distortion;
 mod evidence;
 mod findings;
 mod judge;
+mod open_joints;
 mod whole;
 
 use std::cmp::Ordering;
