@@ -132,7 +132,7 @@ impl Registration {
     }
 
     /// The loop from a result on, with the bones in doubt put back and a piece of the target for each bone; none
-    /// where no bone of the result wants a piece that another one needs more.
+    /// where then no bone wants a piece that another one needs more.
     fn find_in_pieces(
         &self,
         found: &Registered,
