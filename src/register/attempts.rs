@@ -1,7 +1,7 @@
 //! Several attempts: where the first one leaves bones in doubt others follow, and the one that leaves
 //! the least doubt is kept.
 
-use super::joint_frames::take_shape;
+use super::joint_frames::{Fit, take_shape};
 use super::piece_match::{Match, PieceMatch};
 use super::pieces::without_far_parts;
 use super::pose_starts::towards_mid_range;
@@ -94,11 +94,11 @@ impl Attempt {
 }
 
 /// The attempts after the plain one, in order, and the share of the bones in doubt from which and up to which each
-/// is made. Where more than half are, the skeleton lies elsewhere, and the pieces near its bones say nothing of them.
+/// is made. Where nearly all are, the skeleton lies elsewhere, and the pieces near its bones say nothing of them.
 const FURTHER: [(Attempt, [f64; 2]); 3] = [
     (Attempt::NEAR, [0.0, 1.0]),
     (Attempt::SECOND_START, [0.5, 1.0]),
-    (Attempt::IN_PIECES, [0.0, 0.5]),
+    (Attempt::IN_PIECES, [0.0, 0.8]),
 ];
 
 impl Registration {
@@ -176,7 +176,7 @@ impl Registration {
             shape[range.clone()].copy_from_slice(&of_scales[range]);
         }
         let mut reference = found.skeleton.clone();
-        take_shape(&mut reference, &self.template, &shape, &self.areas);
+        take_shape(&mut reference, &self.template, &shape, &self.areas, Fit::Affine);
         let motions = towards_mid_range(&self.template, &reference, self.root, &in_doubt, 0.0);
         reference.move_bones(&motions);
         State { scales, coefficients: found.coefficients.clone(), ..State::at(reference) }

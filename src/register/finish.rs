@@ -1,7 +1,7 @@
 //! The end of a run: the joints are put inside their limits, and the result is measured.
 
 use super::correspond::Correspondences;
-use super::joint_frames::take_shape;
+use super::joint_frames::{Fit, take_shape};
 use super::pairs::UNSEEN_WEIGHT;
 use super::pose::{moments, moved, rigid_targets};
 use super::registration::{Registration, State};
@@ -25,7 +25,7 @@ impl Registration {
         cancelled: bool,
     ) -> Registered {
         let State { mut reference, mut points, scales, coefficients, .. } = state;
-        take_shape(&mut reference, &self.template, &points, &self.areas);
+        take_shape(&mut reference, &self.template, &points, &self.areas, Fit::Affine);
         // The joint points of both bones are estimates; where they disagree a little, the bones
         // stay where the data puts them and the joint is seated again in the middle.
         let factor = self.options.seat_factor.max(1.0);

@@ -1,8 +1,8 @@
 //! Joint frames follow a change of their bone's shape.
 //!
-//! [G] section 3.4: the orientation follows the whole bone, the centre a moving least-squares fit (Schaefer,
-//! McPhail, Warren 2006). The paper's fit is rigid; ours is affine, so that the centre of a head that has grown
-//! stays its centre. The weights are area / distance^2: the paper's 1/distance hardly localises on a surface.
+//! [G] section 3.4: the orientation follows the whole bone, the centre a rigid moving least-squares fit (Schaefer,
+//! McPhail, Warren 2006); at the end ours is affine. The weights are area / distance^2: the paper's 1/distance
+//! hardly localises on a surface.
 
 use nalgebra::{Isometry3, Translation3};
 use rayon::prelude::*;
@@ -16,10 +16,26 @@ use crate::math::{Mat3, Vec3};
 /// does not tell.
 const HOLD: f64 = 1e-6;
 
+/// How a joint point goes with the surface near it.
+#[derive(Clone, Copy, Debug)]
+pub enum Fit {
+    /// As with a rigid body: it lags where the bone grows, which holds bones that are seen in part back from growing
+    /// over their neighbours.
+    Rigid,
+    /// Affinely: where the bone's true shape has it.
+    Affine,
+}
+
 /// Lets every bone of `skeleton` take its part of `shape`, where it lies: the template's bone, carried as well as a
 /// rigid motion can, stays where it was. Joint frames and paths become those that the template's bones carry
 /// into this shape, whatever shapes came between. `areas` are those of the template's vertices.
-pub fn take_shape(skeleton: &mut Skeleton, template: &Skeleton, shape: &[Vec3], areas: &[f64]) {
+pub fn take_shape(
+    skeleton: &mut Skeleton,
+    template: &Skeleton,
+    shape: &[Vec3],
+    areas: &[f64],
+    fit: Fit,
+) {
     let motions = |to: &[Vec3]| -> Vec<Isometry3<f64>> {
         let motions = rigid_targets(template, &template.points, to, areas);
         motions.into_iter().map(Option::unwrap_or_default).collect()
@@ -29,7 +45,7 @@ pub fn take_shape(skeleton: &mut Skeleton, template: &Skeleton, shape: &[Vec3], 
     let carried = |b: usize, frame: &Isometry3<f64>| {
         let own = template.bones[b].vertices.clone();
         let shapes = [&template.points[own.clone()], &shape[own.clone()]];
-        let centre = carried_point(&frame.translation.vector, shapes, &areas[own]);
+        let centre = carried_point(&frame.translation.vector, shapes, &areas[own], fit);
         let rotation = renormalized(lie[b].rotation * frame.rotation);
         Isometry3::from_parts(Translation3::from(moved(&put[b], &centre)), rotation)
     };
@@ -55,9 +71,9 @@ pub fn take_shape(skeleton: &mut Skeleton, template: &Skeleton, shape: &[Vec3], 
     }
 }
 
-/// Where a point goes with points that go from `before` to `after`: the affine map that is best near it.
-/// `areas` are those of `before`.
-fn carried_point(centre: &Vec3, [before, after]: [&[Vec3]; 2], areas: &[f64]) -> Vec3 {
+/// Where a point goes with points that go from `before` to `after`: the map that is best near it. `areas` are those
+/// of `before`.
+fn carried_point(centre: &Vec3, [before, after]: [&[Vec3]; 2], areas: &[f64], fit: Fit) -> Vec3 {
     let far = before.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max);
     // A joint point that lies on a vertex would get an infinite weight.
     let weight = |p: &Vec3, area: &f64| area / ((p - centre).norm_squared() + 1e-12 * far);
@@ -70,11 +86,13 @@ fn carried_point(centre: &Vec3, [before, after]: [&[Vec3]; 2], areas: &[f64]) ->
         product += *weight * (q - to) * (p - from).transpose();
         spread += *weight * (p - from) * (p - from).transpose();
     }
-    let rigid = best_rotation(&product).unwrap_or_default().to_rotation_matrix();
+    let rigid = *best_rotation(&product).unwrap_or_default().to_rotation_matrix().matrix();
     let hold = HOLD * spread.trace();
-    let map = (spread + Mat3::identity() * hold)
-        .try_inverse()
-        .map_or(*rigid.matrix(), |inverse| (product + hold * rigid.matrix()) * inverse);
+    let inverse = (spread + Mat3::identity() * hold).try_inverse();
+    let map = match (fit, inverse) {
+        (Fit::Affine, Some(inverse)) => (product + hold * rigid) * inverse,
+        _ => rigid,
+    };
     to + map * (centre - from)
 }
 
@@ -127,7 +145,7 @@ mod tests {
         skeleton.move_bones(&[motion(1.0), motion(3.0)]);
         let before = skeleton.clone();
         let elsewhere: Vec<Vec3> = template.points.iter().map(|p| moved(&motion(2.0), p)).collect();
-        take_shape(&mut skeleton, &template, &elsewhere, &areas);
+        take_shape(&mut skeleton, &template, &elsewhere, &areas, Fit::Affine);
         assert!(far(&before, &skeleton) < 1e-9);
     }
 
@@ -139,7 +157,7 @@ mod tests {
         // The first bone grows by a tenth, so its end goes from x = 10 to 11.
         let grown = |p: &Vec3| if p.x <= 10.5 { Vec3::new(p.x * 1.1, p.y, p.z) } else { *p };
         let after: Vec<Vec3> = skeleton.points.iter().map(grown).collect();
-        take_shape(&mut skeleton, &before, &after, &areas);
+        take_shape(&mut skeleton, &before, &after, &areas, Fit::Affine);
         let centre = skeleton.joints[0].parent_frame.translation.vector;
         assert!((centre.x - 11.0).abs() < 1e-4, "{centre}");
         // A path is as much longer as the bone along which it goes: not quite a tenth, by its long side.
@@ -155,11 +173,11 @@ mod tests {
         let mut skeleton = template.clone();
         let mut noise = Noise::new(3);
         let astray: Vec<Vec3> = template.points.iter().map(|p| p + noise.vector()).collect();
-        take_shape(&mut skeleton, &template, &astray, &areas);
+        take_shape(&mut skeleton, &template, &astray, &areas, Fit::Affine);
         let grown: Vec<Vec3> = template.points.iter().map(|p| 1.4 * p).collect();
-        take_shape(&mut skeleton, &template, &grown, &areas);
+        take_shape(&mut skeleton, &template, &grown, &areas, Fit::Affine);
         let mut at_once = template.clone();
-        take_shape(&mut at_once, &template, &grown, &areas);
+        take_shape(&mut at_once, &template, &grown, &areas, Fit::Affine);
         assert!(far(&skeleton, &at_once) < 1e-9);
         let centre = at_once.joints[0].parent_frame.translation.vector;
         assert!((centre - Vec3::new(14.0, 0.0, 0.0)).norm() < 1e-4, "{centre}");

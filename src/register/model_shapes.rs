@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use super::areas::vertex_areas;
 use super::bone_scales::put_in_place;
-use super::joint_frames::take_shape;
+use super::joint_frames::{Fit, take_shape};
 use super::riders::ride;
 use super::shape_model::ShapeModel;
 use super::skeleton::Skeleton;
@@ -26,7 +26,7 @@ pub fn same_bones(one: &Skeleton, other: &Skeleton) -> bool {
 pub fn shape_in_place(template: &Skeleton, shape: &[Vec3]) -> Skeleton {
     let areas = vertex_areas(&template.points, &template.triangles);
     let mut skeleton = template.clone();
-    take_shape(&mut skeleton, template, shape, &areas);
+    take_shape(&mut skeleton, template, shape, &areas, Fit::Affine);
     // Along the joints outwards, each bone is shifted until its joint point lies on its neighbour's.
     let mut shifts = vec![Isometry3::identity(); skeleton.bones.len()];
     ride(&skeleton, &skeleton.spanning_forest(0), &mut shifts);

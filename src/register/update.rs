@@ -8,7 +8,7 @@ use nalgebra::Isometry3;
 use super::bone_scales::ScaleFreedom;
 use super::correspond::Correspondences;
 use super::elastic::whole_motion;
-use super::joint_frames::take_shape;
+use super::joint_frames::{Fit, take_shape};
 use super::level::Level;
 use super::pairs::FOLLOWING;
 use super::pose::{BoneMoments, heaviest, moments, moved, rigid_targets, settle_tree};
@@ -42,7 +42,7 @@ impl Registration {
             }
         };
         if let Some(shape) = shape {
-            take_shape(&mut state.reference, &self.template, &shape, &self.areas);
+            take_shape(&mut state.reference, &self.template, &shape, &self.areas, Fit::Rigid);
         }
         if let Some(softness) = level.springs
             && let Ok(posed) =
