@@ -61,7 +61,7 @@ impl Attempt {
     const SECOND_START: Self =
         Self { name: "second start: ", from: 0.8, to: 0.9, start: 1, ..Self::NEAR };
     const IN_PIECES: Self =
-        Self { name: "piece by piece: ", from: 0.9, to: 1.0, in_pieces: 4, ..Self::NEAR };
+        Self { name: "piece by piece: ", from: 0.9, to: 1.0, in_pieces: 8, ..Self::NEAR };
 
     /// The first one to a target.
     pub(super) fn first(target: &Target) -> Self {
