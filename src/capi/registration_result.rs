@@ -115,7 +115,7 @@ pub struct MlgJointPose {
     pub shift: f64,
     /// Shift beyond the limit.
     pub excess_shift: f64,
-    /// Distance of the two bones' estimates of the centre before they were joined.
+    /// Distance at which the data alone would leave the two bones' points of the joint.
     pub seam: f64,
 }
 

@@ -48,9 +48,8 @@ impl Registration {
         let wanted =
             reference.joints.iter().map(|j| j.transform(&free[j.parent], &free[j.child])).collect();
         reference.move_bones(&motions);
-        let mut seams = Vec::new();
         for (joint, given) in reference.joints.iter_mut().zip(&self.template.joints) {
-            seams.push(seat(joint));
+            seat(joint);
             joint.limits = given.limits;
         }
         let pairs = search.at(&reference.points, &rules);
@@ -59,7 +58,6 @@ impl Registration {
             elastic_points: points,
             scales,
             coefficients,
-            seams,
             wanted,
         };
         let found = Registered::new(found, &self.template, &self.areas, target, &pairs, levels);
@@ -81,13 +79,10 @@ impl Registration {
 }
 
 /// Puts both joint points in their middle, unless they are further apart than the (widened) limit.
-/// Returns their distance before.
-fn seat(joint: &mut Joint) -> f64 {
+fn seat(joint: &mut Joint) {
     let (a, b) = (joint.parent_frame.translation.vector, joint.child_frame.translation.vector);
-    let distance = (a - b).norm();
-    if distance <= joint.limits.shift * (1.0 + 1e-9) {
+    if (a - b).norm() <= joint.limits.shift * (1.0 + 1e-9) {
         joint.parent_frame.translation.vector = (a + b) / 2.0;
         joint.child_frame.translation.vector = (a + b) / 2.0;
     }
-    distance
 }

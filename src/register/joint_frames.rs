@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::pose::{moved, rigid_targets};
 use super::rotation::{best_rotation, renormalized};
 use super::skeleton::Skeleton;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, median};
 
 /// Share of the points' spread by which the affine fit is held to the rigid one: enough for what a flat bone
 /// does not tell.
@@ -19,8 +19,8 @@ const HOLD: f64 = 1e-6;
 /// How a joint point goes with the surface near it.
 #[derive(Clone, Copy, Debug)]
 pub enum Fit {
-    /// As with a rigid body: it lags where the bone grows, which holds bones that are seen in part back from growing
-    /// over their neighbours.
+    /// As with a rigid body as large as the skeleton's middle bone has become: it lags where the bone grows more than
+    /// the others, which holds bones that are seen in part back from growing over their neighbours.
     Rigid,
     /// Affinely: where the bone's true shape has it.
     Affine,
@@ -42,10 +42,14 @@ pub fn take_shape(
     };
     let [lie, shaped] = [&skeleton.points, shape].map(motions);
     let put: Vec<Isometry3<f64>> = lie.iter().zip(&shaped).map(|(l, s)| l * s.inverse()).collect();
-    let carried = |b: usize, frame: &Isometry3<f64>| {
+    let shapes = |b: usize| {
         let own = template.bones[b].vertices.clone();
-        let shapes = [&template.points[own.clone()], &shape[own.clone()]];
-        let centre = carried_point(&frame.translation.vector, shapes, &areas[own], fit);
+        ([&template.points[own.clone()], &shape[own.clone()]], &areas[own])
+    };
+    let growths: Vec<f64> = (0..template.bones.len()).map(|b| growth(shapes(b))).collect();
+    let common = median(growths.iter().copied()).unwrap_or(1.0);
+    let carried = |b: usize, frame: &Isometry3<f64>| {
+        let centre = carried_point(&frame.translation.vector, shapes(b), fit, common);
         let rotation = renormalized(lie[b].rotation * frame.rotation);
         Isometry3::from_parts(Translation3::from(moved(&put[b], &centre)), rotation)
     };
@@ -60,8 +64,7 @@ pub fn take_shape(
         joint.child_frame = child_frame;
         joint.path.clone_from(&given.path);
         if let Some(path) = &mut joint.path {
-            let own = template.bones[given.parent].vertices.clone();
-            path.scale(growth([&template.points[own.clone()], &shape[own.clone()]], &areas[own]));
+            path.scale(growths[given.parent]);
         }
     }
     for (bone, put) in template.bones.iter().zip(&put) {
@@ -72,8 +75,13 @@ pub fn take_shape(
 }
 
 /// Where a point goes with points that go from `before` to `after`: the map that is best near it. `areas` are those
-/// of `before`.
-fn carried_point(centre: &Vec3, [before, after]: [&[Vec3]; 2], areas: &[f64], fit: Fit) -> Vec3 {
+/// of `before`, `size` is that of the rigid map.
+fn carried_point(
+    centre: &Vec3,
+    ([before, after], areas): ([&[Vec3]; 2], &[f64]),
+    fit: Fit,
+    size: f64,
+) -> Vec3 {
     let far = before.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max);
     // A joint point that lies on a vertex would get an infinite weight.
     let weight = |p: &Vec3, area: &f64| area / ((p - centre).norm_squared() + 1e-12 * far);
@@ -81,23 +89,26 @@ fn carried_point(centre: &Vec3, [before, after]: [&[Vec3]; 2], areas: &[f64], fi
     let total: f64 = weights.iter().sum();
     let middle = |of: &[Vec3]| of.iter().zip(&weights).map(|(p, w)| p * *w).sum::<Vec3>() / total;
     let [from, to] = [middle(before), middle(after)];
-    let (mut product, mut spread) = (Mat3::zeros(), Mat3::zeros());
-    for ((p, q), weight) in before.iter().zip(after).zip(&weights) {
-        product += *weight * (q - to) * (p - from).transpose();
-        spread += *weight * (p - from) * (p - from).transpose();
-    }
-    let rigid = *best_rotation(&product).unwrap_or_default().to_rotation_matrix().matrix();
-    let hold = HOLD * spread.trace();
-    let inverse = (spread + Mat3::identity() * hold).try_inverse();
-    let map = match (fit, inverse) {
-        (Fit::Affine, Some(inverse)) => (product + hold * rigid) * inverse,
-        _ => rigid,
+    let about = |of: &[Vec3], middle: &Vec3| -> Mat3 {
+        let places = before.iter().zip(of).zip(&weights);
+        places.map(|((p, q), w)| *w * (q - middle) * (p - from).transpose()).sum()
+    };
+    let product = about(after, &to);
+    let rigid = size * best_rotation(&product).unwrap_or_default().to_rotation_matrix().matrix();
+    let map = match fit {
+        Fit::Rigid => rigid,
+        Fit::Affine => {
+            let spread = about(before, &from);
+            let hold = HOLD * spread.trace();
+            let inverse = (spread + Mat3::identity() * hold).try_inverse();
+            inverse.map_or(rigid, |inverse| (product + hold * rigid) * inverse)
+        }
     };
     to + map * (centre - from)
 }
 
 /// How much larger a bone has become: the ratio of its radii of gyration.
-fn growth(points: [&[Vec3]; 2], areas: &[f64]) -> f64 {
+fn growth((points, areas): ([&[Vec3]; 2], &[f64])) -> f64 {
     let total: f64 = areas.iter().sum();
     let [before, after] = points.map(|points| {
         let middle = points.iter().zip(areas).map(|(p, a)| p * *a).sum::<Vec3>() / total;
@@ -181,5 +192,20 @@ mod tests {
         assert!(far(&skeleton, &at_once) < 1e-9);
         let centre = at_once.joints[0].parent_frame.translation.vector;
         assert!((centre - Vec3::new(14.0, 0.0, 0.0)).norm() < 1e-4, "{centre}");
+    }
+
+    #[test]
+    fn a_skeleton_that_grows_as_one_keeps_its_joints_together_by_either_fit() {
+        let template = bone();
+        let areas = vertex_areas(&template.points, &template.triangles);
+        let small: Vec<Vec3> = template.points.iter().map(|p| 0.6 * p).collect();
+        for fit in [Fit::Rigid, Fit::Affine] {
+            let mut skeleton = template.clone();
+            take_shape(&mut skeleton, &template, &small, &areas, fit);
+            let centre = skeleton.joints[0].parent_frame.translation.vector;
+            let end = skeleton.points[template.bones[0].vertices.clone()].iter();
+            let end = end.fold(f64::NEG_INFINITY, |far, p| far.max(p.x));
+            assert!((centre.x - end).abs() < 1e-4, "{fit:?}: {centre} {end}");
+        }
     }
 }

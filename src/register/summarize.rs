@@ -18,7 +18,6 @@ pub(super) struct Found {
     pub(super) elastic_points: Vec<Vec3>,
     pub(super) scales: Vec<Vec3>,
     pub(super) coefficients: Vec<f64>,
-    pub(super) seams: Vec<f64>,
     /// Where each joint's data would take it: the child frame seen from the parent frame.
     pub(super) wanted: Vec<Isometry3<f64>>,
 }
@@ -32,8 +31,8 @@ impl Registered {
         pairs: &Correspondences,
         levels: Vec<LevelTrace>,
     ) -> Self {
-        let Found { skeleton, elastic_points, scales, coefficients, seams, wanted } = found;
-        let joints = joint_summaries(&skeleton, &seams, &wanted);
+        let Found { skeleton, elastic_points, scales, coefficients, wanted } = found;
+        let joints = joint_summaries(&skeleton, &wanted);
         let Judged { bones, seen, explained } = judge_bones(&Evidence {
             template,
             areas,
@@ -100,18 +99,13 @@ fn bone_summary(
     }
 }
 
-fn joint_summaries(
-    skeleton: &Skeleton,
-    seams: &[f64],
-    wanted: &[Isometry3<f64>],
-) -> Vec<JointSummary> {
+fn joint_summaries(skeleton: &Skeleton, wanted: &[Isometry3<f64>]) -> Vec<JointSummary> {
     let still = Isometry3::identity();
     skeleton
         .joints
         .iter()
-        .zip(seams)
         .zip(wanted)
-        .map(|((joint, &seam), wanted)| {
+        .map(|(joint, wanted)| {
             let transform = joint.transform(&still, &still);
             let LimitState { rotation_usage, rotation_excess, shift, shift_excess } =
                 limit_state(&joint.limits, &transform);
@@ -125,7 +119,7 @@ fn joint_summaries(
                 excess_degrees: rotation_excess.to_degrees(),
                 shift,
                 excess_shift: shift_excess,
-                seam,
+                seam: wanted.translation.vector.norm(),
                 wanted_rotation: rotation_vector(&wanted.rotation),
                 wanted_excess_degrees: limit_state(&joint.limits, wanted)
                     .rotation_excess

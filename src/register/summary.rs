@@ -76,7 +76,7 @@ pub struct JointSummary {
     pub shift: f64,
     /// Shift beyond the limit, template unit.
     pub excess_shift: f64,
-    /// Distance of the two estimates of the joint's centre before they were joined, template unit.
+    /// Distance at which the data alone would leave the two joint points, template unit.
     pub seam: f64,
     /// Rotation vector that the data alone would give it, radians.
     pub wanted_rotation: Vec3,
