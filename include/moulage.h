@@ -2944,7 +2944,7 @@ typedef struct MlgJointPose {
    */
   double excess_shift;
   /**
-   * Distance of the two bones' estimates of the centre before they were joined.
+   * Distance at which the data alone would leave the two bones' points of the joint.
    */
   double seam;
 } MlgJointPose;

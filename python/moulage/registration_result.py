@@ -72,7 +72,7 @@ class JointPose(TypedDict):
     """Distance of the two frames' origins."""
     excess_shift: float
     seam: float
-    """Distance of the two bones' estimates of the centre before they were joined."""
+    """Distance at which the data alone would leave the two bones' points of the joint."""
 
 
 class RegistrationResult(Handle):

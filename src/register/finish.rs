@@ -53,13 +53,8 @@ impl Registration {
             joint.limits = given.limits;
         }
         let pairs = search.at(&reference.points, &rules);
-        let found = Found {
-            skeleton: reference,
-            elastic_points: points,
-            scales,
-            coefficients,
-            wanted,
-        };
+        let found =
+            Found { skeleton: reference, elastic_points: points, scales, coefficients, wanted };
         let found = Registered::new(found, &self.template, &self.areas, target, &pairs, levels);
         Registered { cancelled, ..found }
     }
