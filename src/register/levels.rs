@@ -29,8 +29,9 @@ const DETAIL_TOLERANCE: f64 = 0.1;
 /// Updates on each level on which the joints are springs: the next one goes on from there.
 const SPRING_UPDATES: usize = 10;
 
-/// Levels after which bones that lie on their neighbours are looked for.
-const REPAIRED_LEVELS: usize = 2;
+/// Level after which bones that lie on their neighbours are looked for: the first on which each has its own size, so
+/// that a bad fit is not one of size.
+const REPAIRED_LEVEL: usize = 1;
 
 /// Pairs shorter than this share of the template's diagonal do no harm, whosever they are.
 const NEAR: f64 = 0.0003;
@@ -76,7 +77,7 @@ impl Registration {
                 level.rules.taken = 0.0;
             }
             level.rules.landmark_radius = if level.bones_apart { 0.0 } else { level.radius };
-            level.repaired = k < REPAIRED_LEVELS && self.options.use_joints;
+            level.repaired = k == REPAIRED_LEVEL && self.options.use_joints;
         }
         Ok(self.spring_levels(&levels[0]).chain(levels.iter().cloned()).collect())
     }
